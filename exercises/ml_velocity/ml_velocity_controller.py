@@ -30,7 +30,7 @@ def extract_features(scan: LaserScan) -> np.ndarray | None:
     readings above ``range_max`` count as ``range_max``, ``-inf`` counts as ``range_min``; NaN and
     readings below ``range_min`` are dropped. ``None``: a sector has no usable reading.
     """
-    # TODO(task 3): replace infinite readings, drop those that say nothing, find three sectors.
+    # TODO(task 4): replace infinite readings, drop those that say nothing, find three sectors.
     return None
 
 
@@ -41,7 +41,7 @@ class MlVelocityController(Node):
         super().__init__("ml_velocity_controller")
         # TODO(task 1): declare the parameters model_path and max_speed, create a publisher of
         # Twist on /cmd_vel and a subscription to LaserScan on /scan.
-        # TODO(task 2): load the model, once, here.
+        # TODO(task 3): load the model, once, here.
         self.model = None
         self.max_speed = 0.5
         self.get_logger().info("ML velocity controller started")
@@ -51,12 +51,12 @@ class MlVelocityController(Node):
 
         Unpickling runs whatever code the file asks for: load only models that you made yourself.
         """
-        # TODO(task 2): unpickle the file. What if it is missing, or not a model?
+        # TODO(task 3): unpickle the file. What if it is missing, or not a model?
         return None
 
     def scan_callback(self, scan: LaserScan) -> None:
         """Run the loop once: exactly one Twist for each scan."""
-        # TODO(task 4): publish a Twist with linear.x = self.choose_speed(scan).
+        # TODO(task 2): publish a Twist with linear.x = self.choose_speed(scan).
 
     def choose_speed(self, scan: LaserScan) -> float:
         """Return the model's speed within 0 … max_speed [m/s]; 0.0 when it cannot be had."""
@@ -65,7 +65,7 @@ class MlVelocityController(Node):
 
     def stop(self) -> None:
         """Stop the robot; `main` calls this at the end."""
-        # TODO(task 4): publish a Twist whose fields are all 0.
+        # TODO(task 2): publish a Twist whose fields are all 0.
 
 
 def main(args: list[str] | None = None) -> None:

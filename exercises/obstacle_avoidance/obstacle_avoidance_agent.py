@@ -37,7 +37,7 @@ def front_distance(scan: LaserScan) -> float | None:
         can measure (``-inf``). ``None`` when no reading ahead is usable: NaN and finite readings
         outside ``range_min`` … ``range_max`` say nothing (REP-117).
     """
-    # TODO(task 2): look at each beam of scan.ranges. Is it ahead? Is its reading usable?
+    # TODO(task 3): look at each beam of scan.ranges. Is it ahead? Is its reading usable?
     # Return the smallest of those that are.
     return 0.0
 
@@ -48,7 +48,7 @@ def choose_speed(distance: float | None) -> float:
     Below 0.5 m: 0.0 m/s. From 0.5 m to below 1.0 m: 0.15 m/s. From 1.0 m on, ``inf`` too: 0.5 m/s.
     ``None``, a robot that cannot see, stands still: 0.0 m/s.
     """
-    # TODO(task 3): compare the distance with STOP_DISTANCE and SLOW_DISTANCE.
+    # TODO(task 4): compare the distance with STOP_DISTANCE and SLOW_DISTANCE.
     return 0.0
 
 
@@ -75,7 +75,7 @@ class ObstacleAvoidanceAgent(Node):
 
     def drive(self, speed: float) -> None:
         """Action: publish one Twist with ``linear.x`` = speed [m/s] and every other field 0."""
-        # TODO(task 4): fill in a Twist and publish it.
+        # TODO(task 2): fill in a Twist and publish it.
 
     def stop(self) -> None:
         """Stop the robot; `main` calls this at the end."""

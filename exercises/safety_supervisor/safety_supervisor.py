@@ -181,7 +181,7 @@ class SafetySupervisor(Node):
 
     def drive(self, decision: Decision) -> None:
         """Publish the command, and remember its speed for the next tick."""
-        # TODO(task 4): publish a Twist with the decision's speed and turn rate;
+        # TODO(task 1): publish a Twist with the decision's speed and turn rate;
         # keep the speed in self.last_speed.
 
     def report(self, decision: Decision) -> None:

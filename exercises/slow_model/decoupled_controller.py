@@ -91,7 +91,8 @@ class DecoupledController(Node):
 
         Old means that the scan behind it was taken more than MAX_AGE ago.
         """
-        # TODO(task 4): publish a Twist, always: the prediction's speed, or 0.0.
+        # TODO(task 4): the prediction's speed, while its scan is not too old.
+        self.cmd_vel_publisher.publish(Twist())
 
     def stop(self) -> None:
         """Stop the robot; `main` calls this at the end."""

@@ -21,6 +21,7 @@ from grader.link.scratch import fresh_folder, open_regular_file
 MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
 SHARE = "share/"  # what a package installs there lies elsewhere in it, too
 NOT_SAID = re.compile(r"(^|/)(exercise\.toml|test_\w+\.py)$")  # the course's own; `course start`'s
+POINTER = b"version https://git-lfs.github.com/spec/"  # how one begins
 MANIFEST = "package.xml"
 SETUPS = ("setup.py", "setup.cfg", "pyproject.toml")
 LAUNCH = "launch.py"  # the end of a launch file's name
@@ -109,6 +110,11 @@ class Submission:
             return untouched({path.name: read_regular_file(path) for path in own})
         return ""
 
+    def _is_pointer(self, name: str) -> bool:
+        with contextlib.suppress(OSError):
+            return read_regular_file(self.files[name], len(POINTER)).startswith(POINTER)
+        return False
+
     def account(self) -> list[str]:
         """Say what came along, and what did not, a sentence each."""
         own = [] if self.package else [path.name for path in (self.path, *self.others)]
@@ -116,6 +122,11 @@ class Submission:
         came = sorted(n for n in more if not n.startswith(SHARE) and not NOT_SAID.search(n))
         said = [skeleton] if (skeleton := self._untouched()) else []
         said += [f"With the node came {listed(came)}."] if came else []
+        if pointers := [name for name in came if self._is_pointer(name)]:
+            said.append(
+                f"{listed(pointers)}: only a Git LFS pointer, which stands for the file; "
+                "`git lfs pull` brings the file itself."
+            )
         return [*said, *([f"Left behind: {'; '.join(self.left)}."] if self.left else [])]
 
 

@@ -96,7 +96,7 @@ def keep(result: Mapping[str, Any]) -> None:
     with contextlib.suppress(OSError, ValueError, TypeError):
         content = msgspec.json.encode(result)
         if len(content) <= MAX_LAST:
-            _replace(history().with_name(LAST), content)
+            replace(history().with_name(LAST), content)
 
 
 def last_grading() -> dict[str, Any] | None:
@@ -130,10 +130,17 @@ def _write(path: Path, attempts: dict[str, Passed]) -> None:
     """
     content = msgspec.json.encode(_History(attempts))
     if len(content) <= MAX_BYTES:
-        _replace(path, content)
+        replace(path, content)
 
 
-def _replace(path: Path, content: bytes) -> None:
+def replace(path: Path, content: bytes) -> None:
+    """Write a small file in place of what is there; its folder is made.
+
+    Raises
+    ------
+    OSError
+        It can't be written.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     fd, name = tempfile.mkstemp(prefix=path.name, dir=path.parent)
     try:

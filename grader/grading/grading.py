@@ -32,6 +32,7 @@ from grader.grading.plugin import (
     CheckPlugin,
     CheckResult,
 )
+from grader.grading.praise import praise_of, remarks_on
 from grader.link.launcher import Launcher
 from grader.recording import Recording
 from grader.trial.kept import KeptRecordings
@@ -104,13 +105,20 @@ class Grading:
         return _passed([check for check in self.checks if check.kind == "core"])
 
     @property
+    def whole(self) -> bool:
+        """The full core score, and no check was left out by `only`."""
+        points = sum(check.max_points for check in self.checks if check.kind == "core")
+        return self.full and points == self.exercise.max_points
+
+    @property
     def faulty(self) -> bool:
         """The grader or the machine failed somewhere."""
         return any(check.outcome in (ERROR, INCONCLUSIVE) for check in self.checks)
 
     def notes(self) -> list[str]:
         """Return what else a reader of the score should know, one sentence each."""
-        told = [_sentence(self.practice) + "."] if self.practice else []
+        told = self._praise()
+        told += [_sentence(self.practice) + "."] if self.practice else []
         told += [f"{_sentence(fault)}. The score is provisional." for fault in self.faults]
         told += self.trial_notes
         real = [recording for recording in self.recordings if recording.live is not None]
@@ -122,6 +130,12 @@ class Grading:
             f"{len(real)} of {len(self.recordings)} trials ran in real time, with a robot that "
             f"runs by the clock: {reason}. The checks are the same.",
         ]
+
+    def _praise(self) -> list[str]:
+        """Return what was good of a program with all points, and what a reader would remark."""
+        if not self.whole or not self.recordings:
+            return []
+        return [praise_of(self.recordings), *remarks_on(self.recordings)]
 
     def as_dict(self) -> dict[str, Any]:
         """Return the JSON object of this grading."""

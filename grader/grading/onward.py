@@ -7,9 +7,12 @@ from pathlib import Path
 
 from grader.course.exercises import Exercise, all_exercises
 from grader.grading.attempts import attempts
+from grader.grading.best import best_table
 from grader.grading.grading import grade
 from grader.grading.plugin import CheckResult
 from grader.trial.trials import SavedTrials
+
+BEST = "Your best drives: time, distance kept, mean change of speed. Can you beat the reference's?"
 
 
 def onward(exercise: Exercise | None = None) -> list[str]:
@@ -33,6 +36,7 @@ def onward(exercise: Exercise | None = None) -> list[str]:
             f"Exercise {now.number}: all that carries points passes. For the badge, other sensors "
             "and worlds:",
             f"  course grade {now.number} {where} --field",
+            *_best(now),
             *_another(every, now),
         ]
     return [
@@ -40,8 +44,14 @@ def onward(exercise: Exercise | None = None) -> list[str]:
         "messages are late?",
         f"  course search {where} --exercise {now.number}",
         f"  course delay {where} --exercise {now.number}",
+        *_best(now),
         *_another(every, now),
     ]
+
+
+def _best(now: Exercise) -> list[str]:
+    rows = best_table(now)
+    return [BEST, *rows] if rows else []
 
 
 def _still(now: Exercise, where: str, left: Sequence[CheckResult], most: int) -> list[str]:

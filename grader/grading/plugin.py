@@ -239,7 +239,7 @@ class CheckPlugin:
         self._trials.prepare(list(dict.fromkeys(s for check in checks for s in check.scenarios)))
 
     def _lacking(self, check: Check) -> str:
-        return self._trials.lacks(check.scenarios, check.requires) if check.requires else ""
+        return self._trials.lacks(check.scenarios, check.requires)
 
     def _choose(self, checks: list[Check]) -> list[Check]:
         by_id = {check.id: check for check in checks}

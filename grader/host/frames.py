@@ -192,9 +192,12 @@ class Note(msgspec.Struct, array_like=True, frozen=True):
     """What a person should know of a run, and no message shows; nobody judges it."""
 
     kind: Annotated[
-        str, msgspec.Meta(pattern="^(lost|lifecycle|lasts|awaits|stuck|waits|threads|sim_time)$")
+        str,
+        msgspec.Meta(
+            pattern="^(lost|lifecycle|lasts|awaits|stuck|waits|threads|sim_time|params|imports)$"
+        ),
     ]
-    about: Name  # a topic, a node, or a function ...
+    about: Name  # a topic, a node, a function, sections ...
     line: Name = ""  # ... and where: "node.py, line 12"
     count: Nanoseconds = 1
     time: Nanoseconds = 0  # [ns] when it began, or the longest of them

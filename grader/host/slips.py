@@ -73,6 +73,26 @@ def slips(source: bytes) -> list[str]:
     return [f"line {line}: {text}" for line, text in found[:MOST]]
 
 
+def unused_imports(source: bytes) -> list[str]:
+    """Return the names that a program imports at its top and then never writes again (F401).
+
+    Raises
+    ------
+    SyntaxError, ValueError
+        Python does not accept it.
+    """
+    tree = ast.parse(source)
+    found: dict[str, None] = {}
+    for node in tree.body:
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            for each in node.names:
+                if each.asname != each.name and getattr(node, "module", "") != "__future__":
+                    found[(each.asname or each.name).partition(".")[0]] = None
+    texts = " ".join(node.value for node in _all(tree, ast.Constant) if isinstance(node.value, str))
+    written = {node.id for node in _all(tree, ast.Name)} | set(re.findall(r"\w+", texts))
+    return [name for name in found if name not in written and name != "*"]
+
+
 class Slip(NamedTuple):
     """A sentence of `slips`, read again."""
 

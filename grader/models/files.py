@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,10 @@ OWN = "own"  # the student's own trained model
 PICKLE = ".pkl"
 EXPORTED = (".onnx", ".pt2", ".keras")  # suffixes of formats that need other libraries
 LEARNED = ("linear", "tree", "trained")  # scikit-learn's own models, if in a pickle
+GROWN = ("tree", "trained")  # of these, what scikit-learn fits, whatever the format
+RAW = ("garbage", "empty", "foreign", "pickled")  # written here, whatever the format
+WRITTEN_BY = {".pkl": ("sklearn",), ".onnx": ("onnx",), ".pt2": ("torch",),
+              ".keras": ("torch", "keras")}  # fmt: skip
 PROTOCOL = 4  # of pickle; every Python here reads it
 _FOREIGN = b"cmy_training_script\nMyModel\n."  # a pickle whose class was in a script, now missing
 
@@ -59,8 +63,23 @@ def write_models(models: Mapping[str, Model], folder: Path) -> None:
         if is_kept(name, model):
             path.write_bytes(_kept_bytes(name, model))
         else:
-            format = str(model.settings.get("format", path.suffix.lower()))
-            path.write_bytes(model_bytes(model, format))
+            path.write_bytes(model_bytes(model, _format(name, model)))
+
+
+def needed_for(models: Mapping[str, Model]) -> Iterator[str]:
+    """Yield the modules without which these models can't be written."""
+    for name, model in models.items():
+        if model.probe in (OWN, *RAW) or is_kept(name, model):
+            continue
+        format = _format(name, model)
+        if format in EXPORTED or model.probe in LEARNED:
+            yield from WRITTEN_BY[format if format in EXPORTED else PICKLE]
+        if model.probe in GROWN:
+            yield "sklearn"
+
+
+def _format(name: str, model: Model) -> str:
+    return str(model.settings.get("format", Path(name).suffix.lower()))
 
 
 def _within(folder: Path, name: str) -> Path:

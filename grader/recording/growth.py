@@ -108,6 +108,11 @@ def _said(note: Note, recording: Recording) -> str:
                 f"{note.about} has use_sim_time, and nothing publishes /clock: on a robot its time "
                 "would stand at 0 and its timers never fire; here both go on"
             )
+        case "params":
+            return (
+                f"{note.line} has parameters for {note.about}, and none for {more}, which runs "
+                "here: rclpy passes over sections whose key is not the node's name"
+            )
         case "threads" if many > ENDS:
             return (
                 f"{place} started {many} threads in {recording.duration_s:.0f} s: one that lives, "

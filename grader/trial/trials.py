@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import threading
@@ -13,10 +14,10 @@ from pathlib import Path
 from grader.course import installed
 from grader.course.students import Seed
 from grader.course.submission import Submission
-from grader.errors import GraderError, is_disk_full
+from grader.errors import GraderError, InputError, is_disk_full
 from grader.link import real_clock
 from grader.link.launcher import Launcher
-from grader.models.files import OWN
+from grader.models.files import OWN, needed_for
 from grader.recording import Outcome, Recording, bag, growth_of
 from grader.trial.endings import BUSY_WAIT, is_halt, not_run
 from grader.trial.kept import KeptRecordings
@@ -111,6 +112,7 @@ class NodeTrials(Trials):
     kept: KeptRecordings | None = None  # where recordings are looked for, and kept
     _futures: dict[str, Future[Recording]] = field(default_factory=dict)
     _trained: dict[str, Future[Trained]] = field(default_factory=dict)
+    _scenarios: dict[str, Scenario] = field(default_factory=dict)
     _seeds: dict[str, int] = field(default_factory=dict)  # by scenario
     _unsaved: list[str] = field(default_factory=list)  # sentences
     _asked: set[str] = field(default_factory=set)  # scenarios whose recordings a check needed
@@ -167,6 +169,14 @@ class NodeTrials(Trials):
         """Return the recordings made, in order; of a node that hung only those that checks need."""
         made = [future.result() for future in self._over() if future.exception() is None]
         return [recording for recording in made if not self._unasked(recording.name)]
+
+    def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
+        """Say which libraries are missing, those that write the scenarios' models among them."""
+        needed: list[str] = list(libraries)
+        for name in scenarios:
+            with contextlib.suppress(InputError):  # its trial says so
+                needed += needed_for(self._read(name).node.models)
+        return installed.why_not(dict.fromkeys(needed))
 
     def faults(self) -> list[TrialFault]:
         """Return the trials in which the grader failed, in order."""
@@ -226,7 +236,7 @@ class NodeTrials(Trials):
     def _load(self, name: str) -> Scenario | None:
         """Read a scenario and start its trainings; if that fails, so does its trial alone."""
         try:
-            scenario = load_scenario(name)
+            scenario = self._read(name)
             for needed in _trainings(scenario):
                 self._train(needed)
         except Exception as error:
@@ -234,6 +244,11 @@ class NodeTrials(Trials):
             self._futures[name].set_exception(TrialFault(name, error))
             return None
         return scenario
+
+    def _read(self, name: str) -> Scenario:
+        if name not in self._scenarios:
+            self._scenarios[name] = load_scenario(name)
+        return self._scenarios[name]
 
     def _tell(self, name: str, outcome: str = "") -> None:
         with self._counting:
@@ -244,7 +259,7 @@ class NodeTrials(Trials):
     def _train(self, name: str) -> None:
         if name in self._trained:
             return
-        scenario = load_scenario(name)
+        scenario = self._read(name)
         self._trained[name] = self._pool.submit(self._run_training, scenario)
 
     def _run_training(self, scenario: Scenario) -> Trained:

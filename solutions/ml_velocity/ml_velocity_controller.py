@@ -44,7 +44,7 @@ def extract_features(scan: LaserScan) -> np.ndarray | None:
     row = [front.min(), front.mean(), front.std(), left.min(), right.min()]
     return np.array([row], dtype=np.float32)
     ### SKELETON
-    # # TODO(task 3): replace infinite readings, drop those that say nothing, find three sectors.
+    # # TODO(task 4): replace infinite readings, drop those that say nothing, find three sectors.
     # return None
     ### END SOLUTION
 
@@ -65,7 +65,7 @@ class MlVelocityController(Node):
         ### SKELETON
         # # TODO(task 1): declare the parameters model_path and max_speed, create a publisher of
         # # Twist on /cmd_vel and a subscription to LaserScan on /scan.
-        # # TODO(task 2): load the model, once, here.
+        # # TODO(task 3): load the model, once, here.
         # self.model = None
         # self.max_speed = 0.5
         ### END SOLUTION
@@ -84,7 +84,7 @@ class MlVelocityController(Node):
             self.get_logger().error(f"No model, so no motion: {path}: {error!r}")
             return None
         ### SKELETON
-        # # TODO(task 2): unpickle the file. What if it is missing, or not a model?
+        # # TODO(task 3): unpickle the file. What if it is missing, or not a model?
         # return None
         ### END SOLUTION
 
@@ -95,7 +95,7 @@ class MlVelocityController(Node):
         twist.linear.x = self.choose_speed(scan)
         self.cmd_vel_publisher.publish(twist)
         ### SKELETON
-        # # TODO(task 4): publish a Twist with linear.x = self.choose_speed(scan).
+        # # TODO(task 2): publish a Twist with linear.x = self.choose_speed(scan).
         ### END SOLUTION
 
     def choose_speed(self, scan: LaserScan) -> float:
@@ -130,7 +130,7 @@ class MlVelocityController(Node):
         ### BEGIN SOLUTION
         self.cmd_vel_publisher.publish(Twist())
         ### SKELETON
-        # # TODO(task 4): publish a Twist whose fields are all 0.
+        # # TODO(task 2): publish a Twist whose fields are all 0.
         ### END SOLUTION
 
 

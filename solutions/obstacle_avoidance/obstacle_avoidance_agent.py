@@ -49,7 +49,7 @@ def front_distance(scan: LaserScan) -> float | None:
             usable.append(reading)
     return min(usable, default=None)
     ### SKELETON
-    # # TODO(task 2): look at each beam of scan.ranges. Is it ahead? Is its reading usable?
+    # # TODO(task 3): look at each beam of scan.ranges. Is it ahead? Is its reading usable?
     # # Return the smallest of those that are.
     # return 0.0
     ### END SOLUTION
@@ -68,7 +68,7 @@ def choose_speed(distance: float | None) -> float:
         return SLOW_SPEED
     return FULL_SPEED
     ### SKELETON
-    # # TODO(task 3): compare the distance with STOP_DISTANCE and SLOW_DISTANCE.
+    # # TODO(task 4): compare the distance with STOP_DISTANCE and SLOW_DISTANCE.
     # return 0.0
     ### END SOLUTION
 
@@ -109,7 +109,7 @@ class ObstacleAvoidanceAgent(Node):
         twist.linear.x = speed
         self.cmd_vel_publisher.publish(twist)
         ### SKELETON
-        # # TODO(task 4): fill in a Twist and publish it.
+        # # TODO(task 2): fill in a Twist and publish it.
         ### END SOLUTION
 
     def stop(self) -> None:

@@ -251,7 +251,7 @@ class SafetySupervisor(Node):
         self.cmd_vel_publisher.publish(twist)
         self.last_speed = decision.speed
         ### SKELETON
-        # # TODO(task 4): publish a Twist with the decision's speed and turn rate;
+        # # TODO(task 1): publish a Twist with the decision's speed and turn rate;
         # # keep the speed in self.last_speed.
         ### END SOLUTION
 

@@ -165,7 +165,8 @@ class DecoupledController(Node):
                 twist.linear.x = prediction.speed
         self.cmd_vel_publisher.publish(twist)
         ### SKELETON
-        # # TODO(task 4): publish a Twist, always: the prediction's speed, or 0.0.
+        # # TODO(task 4): the prediction's speed, while its scan is not too old.
+        # self.cmd_vel_publisher.publish(Twist())
         ### END SOLUTION
 
     def stop(self) -> None:

@@ -97,7 +97,7 @@ def test_stale_at_first(runs: Runs) -> None:
     reports(runs.only(LATE_LIDAR), "level", help="STALE is for an empty window.")
 
 
-@check(points=10, asks=DECISION, task=2, scenarios=(TIMES, CLIP), hint="2.2")
+@check(points=10, asks=DECISION, task=3, scenarios=(TIMES, CLIP), hint="2.2")
 def test_mean_and_max(runs: Runs) -> None:
     """count, mean_ms and max_ms are those of the calls so far, in milliseconds."""
     asks_once_each(runs.only(TIMES))
@@ -113,7 +113,7 @@ def test_percentiles(runs: Runs) -> None:
     reports(runs, "p50_ms", "p95_ms", "p99_ms", help=help)
 
 
-@check(points=5, asks=STATE, task=2, scenarios=(FULL, DEADLINE, HUNDRED, LATE_LIDAR), hint="2.3")
+@check(points=5, asks=STATE, task=3, scenarios=(FULL, DEADLINE, HUNDRED, LATE_LIDAR), hint="2.3")
 def test_window(runs: Runs) -> None:
     """All numbers are about the last 100 calls, and not more, however long ago they were."""
     asks_once_each(runs.only(FULL, DEADLINE))
@@ -146,7 +146,7 @@ def test_levels(runs: Runs) -> None:
     reports(runs, "level", help=help)
 
 
-@check(points=5, asks=STATE, task=2, scenarios=(RAISES, SAYS_NAN), hint="2.4")
+@check(points=5, asks=STATE, task=3, scenarios=(RAISES, SAYS_NAN), hint="2.4")
 def test_raised_calls(runs: Runs) -> None:
     """A call that raises leads to 0.0 and is not counted; one that returns NaN is counted."""
     raises = runs.only(RAISES)

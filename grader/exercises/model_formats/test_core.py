@@ -36,7 +36,7 @@ def test_only_linear_x(runs: Runs) -> None:
     only_linear_x(runs, "The model only chooses how fast to drive straight ahead.")
 
 
-@check(points=4, asks=DECISION, task=2, scenarios=(READINGS, LONG))
+@check(points=4, asks=DECISION, task=3, scenarios=(READINGS, LONG))
 def test_readings(runs: Runs) -> None:
     """The features are those of exercise 2: infinities replaced, unusable readings dropped."""
     predicts(runs, "readings", help="Compare with your function of exercise 2, and its README.")
@@ -48,7 +48,7 @@ def test_blind_sector(runs: Runs) -> None:
     predicts(runs, "blind")
 
 
-@check(points=2, asks=WIRING, task=1, scenarios=PARAMETERS)
+@check(points=2, asks=WIRING, task=8, scenarios=PARAMETERS)
 def test_parameters(runs: Runs) -> None:
     """The parameters model_path and max_speed are obeyed, and have their defaults."""
     obeys_parameters(runs, "0.0 is a number, too, though it is not true.")

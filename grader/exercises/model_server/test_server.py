@@ -62,7 +62,7 @@ def test_blind_sector(runs: Runs) -> None:
     keeps(runs, "success", help=help)
 
 
-@check(points=5, asks=DECISION, task=2, scenarios=(NO_MODEL,), needs=NEEDS, hint="2.2")
+@check(points=5, asks=DECISION, task=4, scenarios=(NO_MODEL,), needs=NEEDS, hint="2.2")
 def test_no_model(runs: Runs) -> None:
     """Without a model file, or with a broken one, it logs an error, starts and refuses."""
     keeps(runs, "success", help="Catch whatever pickle.load raises.")
@@ -82,7 +82,7 @@ def test_failing_model(runs: Runs) -> None:
     keeps(runs, "success", help=help)
 
 
-@check(points=10, asks=STATE, task=2, scenarios=LOADS, needs=BOTH, hint="2.1")
+@check(points=10, asks=STATE, scenarios=LOADS, needs=BOTH, hint="2.1")
 def test_one_load(runs: Runs) -> None:
     """Three clients and one more ask, and the model is loaded once in the whole system."""
     help = (

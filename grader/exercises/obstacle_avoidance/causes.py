@@ -55,7 +55,7 @@ def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
     if len(texts) != 1:
         return None
     text = f"in all {len(answered)} scans of {BENCH} the speed follows the nearest thing {texts[0]}"
-    return Evidence(text, hint="2.1", explains=explained)
+    return Evidence(text, hint="3.1", explains=explained)
 
 
 def follows(answered: Sequence[Answer], sector: Sector) -> bool:

@@ -32,70 +32,70 @@ def test_wiring(runs: Runs) -> None:
 
 
 @check(
-    points=5, asks=DECISION, task=4, scenarios=("avoid_zones", HUNDRED, LONG, *DRIVES), hint="4.1"
+    points=5, asks=DECISION, task=2, scenarios=("avoid_zones", HUNDRED, LONG, *DRIVES), hint="2.1"
 )
 def test_one_command_per_scan(runs: Runs) -> None:
     """Each scan is answered by exactly one Twist, and none comes before the first scan."""
     answers_once(runs)
 
 
-@check(points=5, asks=SAFETY, task=4, scenarios=("avoid_zones", "avoid_wall", LONG), hint="4.1")
+@check(points=5, asks=SAFETY, task=2, scenarios=("avoid_zones", "avoid_wall", LONG), hint="2.1")
 def test_only_linear_x(runs: Runs) -> None:
     """Every field of the Twist but linear.x is zero."""
     only_linear_x(runs)
 
 
-@check(points=10, asks=DECISION, task=3, scenarios=("avoid_zones", HUNDRED), hint="3.2")
+@check(points=10, asks=DECISION, task=4, scenarios=("avoid_zones", HUNDRED), hint="4.2")
 def test_clear_zone(runs: Runs) -> None:
     """From 1.0 m on the robot drives at 0.50 m/s."""
     follows(runs, "clear", help="1.0 m itself belongs to the clear zone.")
 
 
-@check(points=10, asks=DECISION, task=3, scenarios=("avoid_zones",), hint="3.2")
+@check(points=10, asks=DECISION, task=4, scenarios=("avoid_zones",), hint="4.2")
 def test_slow_zone(runs: Runs) -> None:
     """From 0.5 m to below 1.0 m the robot drives at 0.15 m/s."""
     follows(runs, "slow", help="0.5 m itself belongs to the slow zone.")
 
 
-@check(points=10, asks=SAFETY, task=3, scenarios=("avoid_zones", HUNDRED, LONG), hint="3.2")
+@check(points=10, asks=SAFETY, task=4, scenarios=("avoid_zones", HUNDRED, LONG), hint="4.2")
 def test_stop_zone(runs: Runs) -> None:
     """Below 0.5 m the robot stands still, for however long."""
     help = "Is d the smallest distance within ±90°, and is every d below 0.5 m a stop?"
     follows(runs, "stop", help=help)
 
 
-@check(points=5, asks=DECISION, task=2, scenarios=("avoid_zones",), hint="2.1")
+@check(points=5, asks=DECISION, task=3, scenarios=("avoid_zones",), hint="3.1")
 def test_ignores_behind(runs: Runs) -> None:
     """What is behind the robot (beyond ±90°) does not matter."""
     follows(runs, "behind", help="Only beams within ±90° (±π/2 rad) of ahead count.")
 
 
-@check(points=10, asks=DECISION, task=2, scenarios=("avoid_zones",), hint="2.1")
+@check(points=10, asks=DECISION, task=3, scenarios=("avoid_zones",), hint="3.1")
 def test_sees_sides(runs: Runs) -> None:
     """Whatever is ahead counts, be it small or far to one side (up to ±90°)."""
     help = "A single beam is enough. Compare angle_min + i · angle_increment with ±π/2."
     follows(runs, "side", "ahead", help=help)
 
 
-@check(points=3, asks=DECISION, task=2, scenarios=("avoid_infinity",), hint="2.4")
+@check(points=3, asks=DECISION, task=3, scenarios=("avoid_infinity",), hint="3.4")
 def test_infinite_readings(runs: Runs) -> None:
     """+inf means that nothing is within range: the way is free."""
     follows(runs, "infinite", help="Do not throw +inf away: it is a distance, a big one.")
 
 
-@check(points=10, asks=DECISION, task=2, scenarios=("avoid_invalid",), hint="2.3")
+@check(points=10, asks=DECISION, task=3, scenarios=("avoid_invalid",), hint="3.3")
 def test_invalid_readings(runs: Runs) -> None:
     """NaN, and finite readings outside range_min … range_max, are ignored; the others count."""
     follows(runs, "invalid", help="Drop NaN: every comparison with it is false.")
 
 
-@check(points=2, asks=SAFETY, task=2, scenarios=("avoid_too_close",), hint="2.4")
+@check(points=2, asks=SAFETY, task=3, scenarios=("avoid_too_close",), hint="3.4")
 def test_minus_infinity(runs: Runs) -> None:
     """-inf means closer than the sensor can measure: distance 0."""
     follows(runs, "minus_infinity", help="-inf is not free: it is as near as can be.")
 
 
-@check(points=5, asks=SAFETY, task=2, scenarios=("avoid_blind",), hint="2.5")
+@check(points=5, asks=SAFETY, task=3, scenarios=("avoid_blind",), hint="3.5")
 def test_blind(runs: Runs) -> None:
     """Without any usable reading ahead the robot stands, and it drives on when it sees again."""
     follows(runs, "blind", help="No usable reading: the robot cannot know, so 0.0.")
@@ -107,14 +107,14 @@ def test_blind(runs: Runs) -> None:
     asks=SAFETY,
     scenarios=DRIVES,
     needs=("wiring", "one_command_per_scan", "stop_zone"),
-    hint="3.2",
+    hint="4.2",
 )
 def test_no_contact(runs: Runs) -> None:
     """In six worlds the robot touches nothing and keeps a clearance of 0.2 m."""
     keeps_distance(runs, CLEARANCE, "Stop as soon as the nearest reading ahead is below 0.5 m.")
 
 
-@check(points=5, asks=STATE, scenarios=(HUNDRED, LONG, *DRIVES), hint="3.1")
+@check(points=5, asks=STATE, scenarios=(HUNDRED, LONG, *DRIVES), hint="4.1")
 def test_drives_on(runs: Runs) -> None:
     """The robot drives whenever the way ahead is free, also after a stop, and a long one."""
     drives_on(runs.only(*DRIVES), FREE)

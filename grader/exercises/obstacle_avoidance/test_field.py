@@ -18,8 +18,8 @@ def _keeps_the_contract(runs: Runs, help: str) -> None:
 
 field = FieldSuite(_keeps_the_contract)
 
-test_field_lds01 = field.lds01("avoid_field_lds01_bench", "avoid_field_lds01", hint="2.2")
-test_field_wide_lidar = field.wide_lidar("avoid_field_wide_bench", "avoid_field_wide", hint="2.1")
+test_field_lds01 = field.lds01("avoid_field_lds01_bench", "avoid_field_lds01", hint="3.2")
+test_field_wide_lidar = field.wide_lidar("avoid_field_wide_bench", "avoid_field_wide", hint="3.1")
 test_field_best_effort = field.best_effort("avoid_field_best_effort", hint="1.3")
 test_field_mirrored_world = field.mirrored_world("avoid_field_mirrored")
 test_field_speckle = field.speckle("avoid_field_speckle")

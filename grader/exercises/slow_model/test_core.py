@@ -82,7 +82,7 @@ def test_recovery(runs: Runs) -> None:
     heeds(runs.only(STAMPS), "tick", "idle", help="The newest scan is the one that came last.")
 
 
-@check(points=5, asks=DECISION, task=1, scenarios=("slow_features",))
+@check(points=5, asks=DECISION, task=4, scenarios=("slow_features",))
 def test_features(runs: Runs) -> None:
     """The model gets the five features of exercise 2, in their order."""
     help = "Front min, mean, std within ±60°, then the minimum to the left, then to the right."
@@ -90,14 +90,14 @@ def test_features(runs: Runs) -> None:
     loads_once(runs)
 
 
-@check(points=2, asks=SAFETY, task=1, scenarios=(BLIND,))
+@check(points=2, asks=SAFETY, task=4, scenarios=(BLIND,))
 def test_blind_sector(runs: Runs) -> None:
     """A sector without a usable reading: 0.0, until a scan has features again."""
     help = f"Don't ask the model about such a scan; within 0.6 s it means 0.0. {NEXT_SCAN}"
     heeds(runs, "tick", "idle", help=help)
 
 
-@check(points=5, asks=SAFETY, task=1, scenarios=(HELD, *CLIP))
+@check(points=5, asks=SAFETY, task=4, scenarios=(HELD, *CLIP))
 def test_clipped(runs: Runs) -> None:
     """Predictions are clipped to 0 … max_speed (0.0, 0.8 m/s, or not set); the rest is 0."""
     stands(runs.only(HELD), help="max(0.0, min(max_speed, prediction)); in Python 0.0 is false.")
@@ -141,7 +141,7 @@ def test_too_slow_model(runs: Runs) -> None:
     heeds(runs, "zero", "known", help=help)
 
 
-@check(points=10, asks=SAFETY, task=1, scenarios=(LEADER, *WITHOUT_MODEL), hint="4.3")
+@check(points=10, asks=SAFETY, task=4, scenarios=(LEADER, *WITHOUT_MODEL), hint="4.3")
 def test_no_model(runs: Runs) -> None:
     """Without a model that can be loaded: an error in the log, and 0.0 at each tick."""
     heeds(runs.only(LEADER), "idle", help=NEXT_SCAN)

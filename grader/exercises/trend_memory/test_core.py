@@ -68,21 +68,21 @@ def test_closing_speed(runs: Runs) -> None:
     follows(runs, "tenth", topic=TOPIC, help=help)
 
 
-@check(points=5, asks=DECISION, task=2, scenarios=("trend_ahead",), hint="2.4")
+@check(points=5, asks=DECISION, task=3, scenarios=("trend_ahead",), hint="2.4")
 def test_looks_ahead(runs: Runs) -> None:
     """The distance is the smallest one within ±90° of ahead, as in exercise 1."""
     help = "Compute each beam's angle; what is behind the robot does not matter."
     follows(runs, "full", topic=TOPIC, help=help)
 
 
-@check(points=5, asks=STATE, task=2, scenarios=(CHANGES, REST), hint="2.2")
+@check(points=5, asks=STATE, task=3, scenarios=(CHANGES, REST), hint="2.2")
 def test_forgets_old(runs: Runs) -> None:
     """Only the last ten readings count: what was before is forgotten, one reading at a time."""
     help = "With each new reading the oldest one goes: deque(maxlen=10)."
     follows(runs, "full", topic=TOPIC, help=help)
 
 
-@check(points=5, asks=STATE, task=2, scenarios=(STAMPS, EQUAL), hint="2.3")
+@check(points=5, asks=STATE, task=3, scenarios=(STAMPS, EQUAL), hint="2.3")
 def test_uses_stamps(runs: Runs) -> None:
     """Time is the scan's header stamp: scans may be late or missing, stamps may be equal."""
     help = (
@@ -92,7 +92,7 @@ def test_uses_stamps(runs: Runs) -> None:
     follows(runs, "full", topic=TOPIC, help=help)
 
 
-@check(points=5, asks=STATE, task=2, scenarios=(UNUSABLE,), hint="2.4")
+@check(points=5, asks=STATE, task=3, scenarios=(UNUSABLE,), hint="2.4")
 def test_unusable_scans(runs: Runs) -> None:
     """Scans without a usable distance ahead, or with +inf, are not remembered."""
     help = (

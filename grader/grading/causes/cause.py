@@ -53,7 +53,7 @@ class Hint(msgspec.Struct, frozen=True):
     """A hint of the exercise."""
 
     title: str  # "Task 2: perceive, hint 1: which beam is ahead?"
-    anchor: str  # "hints.md#task-2-perceive"
+    anchor: str  # "hints.md#task-3-perceive"
     text: str  # Markdown
 
 

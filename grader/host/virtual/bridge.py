@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import sys
 import weakref
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import rclpy.context
@@ -22,8 +24,9 @@ from rclpy.qos import DurabilityPolicy
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
 from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Note, Offer, Published
 from ..robot_ends import Heard, RobotEnds
+from ..slips import unused_imports
 from . import discovery as found
-from . import graph, tasks
+from . import graph, parameter_files, tasks
 from .kernel import Kernel
 from .rosout import TOPIC as ROSOUT
 from .rosout import Rosout
@@ -116,8 +119,11 @@ class Bridge:
         return endpoints
 
     def notes(self, kernel: Kernel) -> Iterator[Note]:
-        """Yield which callbacks wait, lifecycle nodes' states, and which nodes lack a /clock."""
+        """Yield what is to be told of callbacks and nodes now, and once of each program's files."""
         yield from tasks.waits(kernel)
+        for party in self.discovery.newcomers():
+            with contextlib.suppress(Exception):  # files and names are the student's: anything
+                yield from list(_unread(party))
         for node in self.discovery.nodes():
             with contextlib.suppress(InvalidHandle):
                 if node.get_clock().ros_time_is_active and not node.count_publishers("/clock"):
@@ -215,3 +221,13 @@ class Bridge:
             shutdown(context)
 
         return leave_and_shutdown
+
+
+def _unread(party: found.Party) -> Iterator[Note]:
+    """Yield what a program's command line or file has, and nothing reads."""
+    start: Any = getattr(party.program, "start", None)  # of one program among several
+    own = start.arguments if start else getattr(party.context, "_course_arguments", ())
+    yield from parameter_files.unread(own, [n.get_fully_qualified_name() for n in party.nodes])
+    file = Path(start.file if start else getattr(sys.modules["__main__"], "__file__", ""))
+    if unused := unused_imports(file.read_bytes()):
+        yield Note("imports", ", ".join(unused), file.name)

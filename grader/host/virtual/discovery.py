@@ -51,6 +51,7 @@ class Party:
         self.program, self.context = program, context
         self.known = known  # [ns] when others have found it
         self.nodes: dict[Any, None] = {}  # in the order in which they were made
+        self.met = False  # it is known, and `newcomers` has said so
 
 
 class Missed(NamedTuple):
@@ -116,6 +117,13 @@ class Discovery:
     def nodes(self) -> Iterator[Any]:
         """Yield the nodes of all programs, in the order in which they were made."""
         yield from (node for party in self._parties for node in party.nodes)
+
+    def newcomers(self) -> Iterator[Party]:
+        """Yield the programs that have become known, once each: their first nodes are made."""
+        for party in self._parties:
+            if not party.met and self._kernel.now > max(0, party.known):
+                party.met = True
+                yield party
 
     def leave(self, node: Any = None, context: Any = None) -> None:
         """Note that a node is gone, or a context with all of its own."""

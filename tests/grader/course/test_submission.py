@@ -236,6 +236,17 @@ def test_what_comes_along_has_limits(agent: Path, monkeypatch: pytest.MonkeyPatc
     assert set(find_submission(agent).beside) == {"helper.py"}  # Python first, the node among it
 
 
+def test_a_pointer_of_git_lfs_is_told_from_a_model(tmp_path: Path) -> None:
+    (tmp_path / "agent.py").write_text("pass\n")
+    (tmp_path / "real.onnx").write_bytes(b"\x08\x08model")
+    pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n"
+    (tmp_path / "policy.onnx").write_text(pointer)
+    came, pointers = find_submission(tmp_path / "agent.py").account()
+    assert came == "With the node came policy.onnx, real.onnx."
+    assert pointers.startswith("policy.onnx: only a Git LFS pointer")
+    assert "`git lfs pull`" in pointers
+
+
 def test_the_catalogues_of_a_solution_of_the_courses_own_stay_behind() -> None:
     folder = Path(__file__).parents[3] / "solutions" / "obstacle_avoidance"
     assert find_submission(folder / "obstacle_avoidance_agent.py").account() == []

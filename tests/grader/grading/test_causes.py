@@ -86,7 +86,7 @@ def test_the_beams_that_a_node_reacts_to_are_named(
     assert said in cause.text
     assert re.match(r"In all \d+ scans of avoid_zones the speed follows", cause.text)
     assert cause.hint is not None
-    assert cause.hint.anchor == "hints.md#task-2-perceive"
+    assert cause.hint.anchor == "hints.md#task-3-perceive"
     assert "\n" not in cause.hint.text  # the page's line breaks are not the reader's
     assert cause.explains == ("slow_zone",)
 

@@ -49,7 +49,7 @@ def test_before_the_first_grading_one_begins(graded: Graded) -> None:
 def test_the_first_task_that_fails_comes_next(graded: Graded) -> None:
     graded(FIRST, "drives_on", "stop_zone", unjudged="wiring")
     said, command = onward()
-    assert said.startswith("Exercise 1: 12 of 15 checks pass. Next comes task 3: Below 0.5 m")
+    assert said.startswith("Exercise 1: 12 of 15 checks pass. Next comes task 4: Below 0.5 m")
     assert command == "  course grade 1 obstacle_avoidance_agent.py --only stop_zone"
     graded(FIRST, unjudged="wiring")  # what was never judged comes last
     assert onward()[-1].endswith("--only wiring")

@@ -7,7 +7,7 @@ import msgspec
 import pytest
 from node_runs import PREAMBLE, short
 
-from grader.course.submission import Submission
+from grader.course.submission import Submission, find_submission
 from grader.link.hosts import ForkServer
 from grader.recording import growth_of
 from grader.trial.virtual_time import run_trial
@@ -117,3 +117,23 @@ def test_a_person_is_told(source: str, said: str, runtime: ForkServer, tmp_path:
     found = growth_of(recording)
     assert len(found) == bool(said), found
     assert not said or re.search(said, found[0])
+
+
+@pytest.mark.parametrize(
+    ("yaml", "said"),
+    [
+        ("owm: {ros__parameters: {speed: 0.3}}", "p.yaml has parameters for /owm, and none for /o"),
+        ("fleet: {own: {ros__parameters: {speed: 0.3}}}", "for /fleet/own, and none for /own,"),
+        ("other: {ros__parameters: {a: 1}}\n/own: {ros__parameters: {speed: 0.3}}", ""),
+        ("/**: {ros__parameters: {speed: 0.3}}", ""),
+    ],
+)
+def test_parameters_for_nobody(yaml: str, said: str, runtime: ForkServer, tmp_path: Path) -> None:
+    (tmp_path / "p.yaml").write_text(yaml, "utf-8")
+    init = "rclpy.init(args=['--ros-args', '--params-file', 'p.yaml'])"
+    text = f"{HEAD}\nspin(node)".replace("rclpy.init()", init)
+    (tmp_path / "node.py").write_text(text, "utf-8")
+    recording = run_trial(find_submission(tmp_path / "node.py"), short(0.5), runtime)
+    assert recording.outcome.completed, recording.outcome
+    found = growth_of(recording)
+    assert [said in line for line in found] == [True] * bool(said), found

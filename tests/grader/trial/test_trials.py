@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from grader.course import installed
 from grader.course.exercises import SOLUTIONS, find_exercise
 from grader.course.submission import Submission
 from grader.grading.grading import grade_submission
@@ -50,6 +51,20 @@ def test_a_graded_trial_builds_one_simulation(
 
     assert (recording.outcome.completed, recording.seed) == (True, chosen)
     assert builds == {recording.layout.start: 1}
+
+
+def test_what_a_scenarios_models_are_written_with_has_to_be_installed(
+    forkserver: ForkServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(installed, "_is_installed", lambda module: module != "onnx")
+    lacking = "skipped: onnx is not installed here; pip install onnx"
+    with NodeTrials(Submission(REFERENCE), forkserver) as trials:
+        assert trials.lacks(["format_raises_torch"], ["torch", "keras"]) == lacking
+        assert trials.lacks(["format_no_file", "format_late_file"], ()) == lacking
+        assert trials.lacks(["format_no_file", "format_broken_onnx", "format_pt"], ()) == ""
+        monkeypatch.setattr(installed, "_is_installed", lambda module: module != "sklearn")
+        assert "scikit-learn" in trials.lacks(["format_drive_onnx"], ())  # it learns the tree
+        assert trials.lacks(["format_onnx"], ()) == ""
 
 
 # --- a fault of ours -------------------------------------------------------------------------

@@ -1,0 +1,63 @@
+"""What is said at full marks: what was good, and what a reader would remark without points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from grader.course.exercises import SOLUTIONS, find_exercise
+from grader.course.submission import find_submission
+from grader.grading.grading import grade_submission
+from grader.grading.praise import praise_of, remarks_on
+from grader.link.hosts import ForkServer
+from grader.recording import Recording
+from grader.trial.trials import NodeTrials
+
+FIRST = find_exercise("1")
+DRIVES = ["avoid_wall", "avoid_box_behind"]
+NAME = FIRST.files[0]
+REFERENCE = (SOLUTIONS / FIRST.slug / NAME).read_text("utf-8")
+
+
+def driven(source: str, folder: Path, forkserver: ForkServer, *names: str) -> list[Recording]:
+    (folder / NAME).write_text(source, "utf-8")
+    with NodeTrials(find_submission(folder / NAME), forkserver) as trials:
+        return [trials.get(name) for name in names]
+
+
+@pytest.fixture(scope="module")
+def right(
+    forkserver: ForkServer, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[list[Recording]]:
+    yield driven(REFERENCE, tmp_path_factory.mktemp("right"), forkserver, *DRIVES)
+
+
+def test_what_was_good_is_said_in_numbers(right: list[Recording]) -> None:
+    scans = sum(len(each.delivered) for each in right)
+    kept = min(each.truth.clearance.min() for each in right)
+    said = praise_of(right)
+    assert said.startswith(f"What was good: in 2 runs with {scans:,} messages nothing was missing")
+    assert "In 2 drives the robot went 7 m" in said
+    assert f"kept {kept:.2f} m from everything, or more (avoid_" in said
+    assert list(remarks_on(right)) == []
+
+
+def test_of_working_code_a_reader_remarks_imports_and_a_missing_stop(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    source = REFERENCE.replace("import math\n", "import math\nimport os.path as way, json\n")
+    source = source.replace("        node.stop()\n", "        pass\n")
+    recordings = driven(source, tmp_path, forkserver, "avoid_box_behind")
+    unused, stop = remarks_on(recordings)
+    assert unused == f"{NAME} imports way, json and never uses it."
+    assert "After Ctrl-C in avoid_box_behind no zero Twist came" in stop
+    assert "the last command, 0.50 m/s" in stop
+
+
+def test_praise_is_for_all_points_and_not_for_one_check(forkserver: ForkServer) -> None:
+    submission = find_submission(SOLUTIONS / FIRST.slug / NAME)
+    grading = grade_submission(FIRST, submission, forkserver, file=NAME, only=["wiring"])
+    assert grading.full
+    assert grading.notes() == []
