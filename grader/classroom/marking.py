@@ -75,7 +75,11 @@ class Marking:
         self.store = store
         self.out = out
         self.options: ResultOptions = kept_options(store.kept(OPTIONS), store.students())
-        self.results: list[StoredResult] = [each for each in store.results() if not each.canary]
+
+    @cached_property
+    def results(self) -> list[StoredResult]:
+        """All results, as they were graded."""
+        return [each for each in self.store.results() if not each.canary]
 
     @property
     def rows(self) -> Mapping[str, StudentRow]:

@@ -7,6 +7,7 @@ Only the batch's own process writes. Each change is a transaction that is on dis
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
@@ -307,6 +308,14 @@ class Store:
             )
             for row in rows
         ]  # fmt: skip
+
+    def stamp(self) -> str:
+        """Return what tells the stored results from later ones, without reading them."""
+        rows = self._db.execute(
+            "SELECT student, exercise, state, input_hash, attempts, finished, verified, problem,"
+            " length(grading) FROM units ORDER BY student, exercise"
+        )
+        return hashlib.sha256(repr(rows.fetchall()).encode("utf-8", "replace")).hexdigest()
 
     def _put(self, key: Key, **columns: str | float) -> None:
         """Store a unit in the place of an older one."""

@@ -36,6 +36,9 @@ STALE = (
 AGAIN = "The next course autograde with the same downloads grades it so."
 
 
+_read: dict[Path, tuple[str, list[StoredResult]]] = {}  # the last time; 500 take half a second
+
+
 class Stale(Exception):
     """What a form was made of is no longer so; `page` says what is new."""
 
@@ -97,7 +100,7 @@ class _View:
         return self.class_.rows.get(student) or StudentRow(student)
 
     def _revision(self, student: str = "") -> str:
-        """Return what a form about a student, or about several, was made of."""
+        """Return what a form about a student, or about several, is made of: "ENTRY-HASH"."""
         last = self.entries[-1].number if self.entries else 0
         return f"{last}-{self.class_.revision([student] if student else ())}"
 
@@ -114,6 +117,12 @@ class _View:
 @contextlib.contextmanager
 def _view(out: Path, person: Person) -> Iterator[_View]:
     with reading(out) as class_:
+        stamp = class_.store.stamp()
+        known, results = _read.get(out, ("", []))
+        if known == stamp:
+            class_.results = results
+        else:
+            _read[out] = stamp, class_.results
         yield _View(class_, person)
 
 
@@ -205,7 +214,7 @@ def student_page(out: Path, person: Person, student: str, exercise: str) -> Html
             files=_files(view, student, exercise),
             comments=[each for each in words if isinstance(each, Comment)],
             rubric=asked.rubric_of(out),
-            style=styles[-1] if styles else {},
+            given=styles[-1] if styles else {},
             asked=[each for each in view.requests
                    if student in each[1].whom.students and each[1].exercise == exercise],
             log=view.log(student),
@@ -247,13 +256,12 @@ def changed(out: Path, person: Person, form: Form) -> Html:
     Raises InputError: it can't be.
     Raises GraderError: somebody else is writing just now.
     """
-    scope = form["scope"]
+    scope, (last, _, seen) = form["scope"], form["revision"].partition("-")
     sure = form["sure"] or form["kind"] in AT_ONCE
     with marking(out) if sure else reading(out) as class_:
         view = _View(class_, person)
-        seen = form["revision"]
-        if seen != view.revision(scope):
-            raise Stale(_stale(view, form, seen, scope))
+        if seen != view.revision(scope).partition("-")[2]:
+            raise Stale(_stale(view, form, int(last) if last.isdecimal() else 0))
         change = change_of(class_, form)
         if scope and list(getattr(getattr(change, "whom", None), "students", ())) != [scope]:
             raise InputError(f"the form is {scope}'s, and this is about others")
@@ -272,9 +280,8 @@ def _done(view: _View, form: Form, done: Marked, *, what: str, sure: bool) -> Ht
     )  # fmt: skip
 
 
-def _stale(view: _View, form: Form, seen: str, scope: str) -> Html:
-    last = int(seen.partition("-")[0] or 0) if seen[:1].isdigit() else 0
-    new = [each for each in view.log(scope) if each[0].number > last]
+def _stale(view: _View, form: Form, last: int) -> Html:
+    new = [each for each in view.log(form["scope"]) if each[0].number > last]
     return view.render("stale", "Not written", why=STALE, new=new, form=form, back=_back(form))
 
 

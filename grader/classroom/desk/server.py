@@ -168,6 +168,7 @@ class _Student(_Page):
 class _Replay(_Page):
     async def get(self, student: str, exercise: str) -> None:
         self.set_header("Content-Security-Policy", SANDBOX)
+        self.clear_header("Cross-Origin-Opener-Policy")  # browsers show no page that has both
         await self.answer(pages.replay, student, exercise)
 
 
