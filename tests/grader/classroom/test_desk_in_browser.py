@@ -23,10 +23,10 @@ CODE = (
 ASKED = f"Student: bob\nExercise: {SLUG}\nPlease look at: <img src=x onerror=window.pwned=1>"
 # A page that got into the feedback, and tries all that a page can
 HOSTILE = """<!DOCTYPE html><title>x</title><h1>hostile</h1>
-<form method=post action=/change id=f><input name=kind value=score></form>
+<form method=post action=/change id=f><input name=kind value=score></form><pre id=said></pre>
 <script>
-window.said = [];
-const tell = (what) => (value) => said.push(what + ': ' + value);
+const said = document.getElementById('said');
+const tell = (what) => (value) => said.append(what + ': ' + value + '\\n');
 try { tell('cookie')(document.cookie) } catch (e) { tell('cookie')('refused') }
 try { tell('parent')(parent.document.title) } catch (e) { tell('parent')('refused') }
 try { tell('top')(top.location.href = '/marks') } catch (e) { tell('top')('refused') }
@@ -126,14 +126,14 @@ def test_hostile_students_stay_text_and_axe_is_content(
 def test_a_students_page_does_not_reach_the_desk(person: Callable[..., Any], out: Path) -> None:
     (out / f"feedback/ann/{SLUG}.html").write_text(HOSTILE)
     ada = person("Ada")
-    for path in (f"/student/ann/{SLUG}", f"/replay/ann/{SLUG}"):
-        ada.goto(ada.base + path)
-        frame = ada.frames[-1]
-        frame.wait_for_function("window.said && window.said.length >= 6")
-        said = frame.evaluate("window.said.join('\\n')")
-        assert ada.url.endswith(path)
-        assert "refused" in said and "sent" not in said and "open" not in said, said
-        assert "course-desk" not in said and "Desk" not in said and "<" not in said, said
+    ada.goto(f"{ada.base}/student/ann/{SLUG}")
+    frame = ada.frame_locator("iframe")
+    for what in ("cookie", "parent", "top", "fetch", "post", "popup"):
+        frame.locator("#said", has_text=f"{what}: refused").wait_for()
+    assert ada.url.endswith(f"/student/ann/{SLUG}")
+    assert frame.locator("h1").inner_text() == "hostile"  # it sent no form
+    ada.goto(f"{ada.base}/replay/ann/{SLUG}")  # alone it may leave, and comes as a stranger
+    ada.get_by_text("From another site").wait_for()
     # another page of this machine, by a port of its own
     elsewhere = person("Ben").context.new_page()
     elsewhere.route("http://127.0.0.1:1/**", lambda route: route.fulfill(
