@@ -142,7 +142,8 @@ def described(change: Change) -> str:
 def style_words(style: Style) -> str:
     """Return the points for style in words."""
     single = "; ".join(f"{name} {won:g} of {most:g}" for name, (won, most) in style.given.items())
-    return "style {:g} of {:g} ({})".format(*style.sums, single)
+    won, most = style.sums
+    return f"style {won:g} of {most:g} ({single})"
 
 
 def _late(rule: Late) -> str:

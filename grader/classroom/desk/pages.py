@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from grader.classroom import asked
+from grader.classroom.amendments.apply import version_of
 from grader.classroom.amendments.change import Comment, Style
 from grader.classroom.amendments.log import Entry, active, described, undone_by
 from grader.classroom.desk.forms import AT_ONCE, Form, change_of
@@ -212,7 +213,11 @@ def student_page(out: Path, person: Person, student: str, exercise: str) -> Html
             checks=checks_of(result),
             has_replay=replays.is_file() or (out / "feedback" / student / replays.name).is_file(),
             files=_files(view, student, exercise),
-            comments=[each for each in words if isinstance(each, Comment)],
+            comments=[
+                each for each in words  # lines of an earlier submission are others
+                if isinstance(each, Comment)
+                and each.whom.versions.get(student, "") == version_of(result)
+            ],
             rubric=asked.rubric_of(out),
             given=styles[-1] if styles else {},
             asked=[each for each in view.requests

@@ -139,37 +139,23 @@ class _Enter(_Page):
         self.finish(pages.entered(names[0]))  # no redirect: after one from a mail it isn't sent
 
 
-class _Class(_Page):
-    async def get(self) -> None:
-        asked = (self.get_query_argument(name, "") for name in ("find", "section"))
-        await self.answer(pages.class_page, *asked)
+class _Shown(_Page):
+    def initialize(
+        self, desk: Desk, make: Callable[..., pages.Html], asked: Sequence[str] = ()
+    ) -> None:  # fmt: skip
+        super().initialize(desk)
+        self.make, self.asked = make, asked
+
+    async def get(self, *about: str) -> None:
+        asked = (self.get_query_argument(name, "") for name in self.asked)
+        await self.answer(self.make, *about, *asked)
 
 
-class _Held(_Page):
-    async def get(self) -> None:
-        await self.answer(pages.held_page)
-
-
-class _Requests(_Page):
-    async def get(self) -> None:
-        await self.answer(pages.requests_page)
-
-
-class _Marks(_Page):
-    async def get(self) -> None:
-        await self.answer(pages.marks_page)
-
-
-class _Student(_Page):
-    async def get(self, student: str, exercise: str) -> None:
-        await self.answer(pages.student_page, student, exercise)
-
-
-class _Replay(_Page):
-    async def get(self, student: str, exercise: str) -> None:
+class _Replay(_Shown):
+    def set_default_headers(self) -> None:
+        super().set_default_headers()
         self.set_header("Content-Security-Policy", SANDBOX)
         self.clear_header("Cross-Origin-Opener-Policy")  # browsers show no page that has both
-        await self.answer(pages.replay, student, exercise)
 
 
 class _Change(_Page):
@@ -185,14 +171,18 @@ class _Nothing(_Page):
 
 def application(desk: Desk) -> Application:
     """Return the desk as a web application."""
-    known = {"desk": desk}
-    routes = [
-        (LOG_IN, _Enter), ("/", _Class), ("/held", _Held), ("/requests", _Requests),
-        ("/marks", _Marks), ("/student/([^/]+)/([^/]+)", _Student),
-        ("/replay/([^/]+)/([^/]+)", _Replay), ("/change", _Change),
+    known: dict[str, Any] = {"desk": desk}
+    shown = [
+        ("/", pages.class_page, ("find", "section")), ("/held", pages.held_page, ()),
+        ("/requests", pages.requests_page, ()), ("/marks", pages.marks_page, ()),
+        ("/student/([^/]+)/([^/]+)", pages.student_page, ()),
     ]  # fmt: skip
     return Application(
-        [(path, handler, known) for path, handler in routes],
+        [
+            *((path, _Shown, known | {"make": make, "asked": of}) for path, make, of in shown),
+            ("/replay/([^/]+)/([^/]+)", _Replay, known | {"make": pages.replay}),
+            (LOG_IN, _Enter, known), ("/change", _Change, known),
+        ],
         default_handler_class=_Nothing, default_handler_args=known,
         log_function=lambda _: None,  # addresses have keys in them
     )  # fmt: skip

@@ -33,11 +33,8 @@ function buildAsk(asked, checks) {
       said.textContent = 'The text is selected: copy it.';
     }
   };
-  const save = () => {
-    const url = URL.createObjectURL(new Blob([made.value], { type: 'text/plain' }));
-    el('a', { href: url, download: REQUEST }).click();
-    URL.revokeObjectURL(url);
-  };
+  const save = () => el('a', { href: `data:text/plain;charset=utf-8,${encodeURIComponent(made.value)}`,
+    download: REQUEST }).click();
   const button = (name, onclick) => el('button', { type: 'button', class: 'jump', onclick }, name);
   check.addEventListener('change', choose);
   for (const field of [moment, words]) field.addEventListener('input', write);

@@ -12,12 +12,15 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import urlencode, urlsplit
 
+import pytest
+
 ONE_OF = {"input", "select", "textarea", "button"}
 
 
 @contextlib.contextmanager
 def open_desk(out: Path, *names: str) -> Iterator[dict[str, str]]:
     """Run `course desk`; return the address of each person."""
+    pytest.importorskip("tornado", reason="needs the extra `desk`")
     command = [sys.executable, "-m", "grader.cli", "desk", str(out)]
     command += [part for name in names for part in ("--for", name)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:

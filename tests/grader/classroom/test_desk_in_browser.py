@@ -12,7 +12,7 @@ from desk_client import open_desk
 from fake_class import FILE, SLUG
 from marked_class import judged, points
 
-from grader.classroom.asked import RUBRIC
+from grader.classroom.asked import RUBRIC, request, text_of
 from grader.classroom.marking import reading
 
 pytestmark = pytest.mark.long
@@ -121,6 +121,25 @@ def test_hostile_students_stay_text_and_axe_is_content(
             assert "\u202e" not in page.inner_text("body") and "\x1b" not in page.inner_text("body")
         assert "</code></script><script>window.pwned=1" in page.locator(".code").inner_text()
         assert page.locator("img").count() == 0 and complaints == []
+
+
+def test_the_feedback_page_makes_what_the_desk_reads(
+    open_file: Callable[..., Any], axe: Callable[[Any], list[str]], out: Path
+) -> None:
+    page = open_file(out / f"feedback/ann/{SLUG}.html", bypass_csp=True, color_scheme="dark")
+    page.get_by_text("Ask a person to look again").click()
+    page.get_by_label("Check", exact=True).select_option("slow_zone")
+    page.get_by_label("Moment").fill("2.25")
+    page.get_by_label("What is wrong").fill("It stood \u202estill,\nStudent: eve <b>")
+    text = page.get_by_label("Your text").input_value()
+    with page.expect_download() as saved:
+        page.get_by_role("button", name="Save").click()
+    assert text_of(saved.value.path()) == text
+    with reading(out) as class_:
+        made = request(class_, text)
+    assert (made.whom.students, made.check, made.moment) == (("ann",), "slow_zone", 2.25)
+    assert made.words == "It stood still, Student: eve <b>"
+    assert axe(page) == []
 
 
 def test_a_students_page_does_not_reach_the_desk(person: Callable[..., Any], out: Path) -> None:
