@@ -39,9 +39,9 @@ function buildAsk(asked, checks) {
   check.addEventListener('change', choose);
   for (const field of [moment, words]) field.addEventListener('input', write);
   write();
-  return el('details', { class: 'ask' }, el('summary', {}, 'Ask a person to look again'),
+  return el('section', { class: 'ask', 'aria-label': 'Ask a person' }, el('details', {}, el('summary', {}, 'Ask a person to look again'),
     el('p', { class: 'quiet' }, 'Say in a sentence or two what should be looked at, and send the text to your '
       + 'instructor: as a mail, or as a file. Nothing is sent from here.'),
     label('Check', check), label('Moment in the run, in seconds', moment), label('What is wrong', words),
-    label('Your text', made), el('div', { class: 'jumps' }, button('Copy', copy), button('Save as a file', save)), said);
+    label('Your text', made), el('div', { class: 'jumps' }, button('Copy', copy), button('Save as a file', save)), said));
 }

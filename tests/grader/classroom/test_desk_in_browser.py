@@ -128,7 +128,7 @@ def test_the_feedback_page_makes_what_the_desk_reads(
 ) -> None:
     page = open_file(out / f"feedback/ann/{SLUG}.html", bypass_csp=True, color_scheme="dark")
     page.get_by_text("Ask a person to look again").click()
-    page.get_by_label("Check", exact=True).select_option("slow_zone")
+    page.locator(".ask select").select_option("slow_zone")
     page.get_by_label("Moment").fill("2.25")
     page.get_by_label("What is wrong").fill("It stood \u202estill,\nStudent: eve <b>")
     text = page.get_by_label("Your text").input_value()
