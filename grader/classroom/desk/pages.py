@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import threading
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
@@ -35,9 +36,8 @@ STALE = (
     "Look at what is new, and do it again if it is still right."
 )
 AGAIN = "The next course autograde with the same downloads grades it so."
-
-
 _read: dict[Path, tuple[str, list[StoredResult]]] = {}  # the last time; 500 take half a second
+_writing = threading.Lock()
 
 
 class Stale(Exception):
@@ -263,7 +263,10 @@ def changed(out: Path, person: Person, form: Form) -> Html:
     """
     scope, (last, _, seen) = form["scope"], form["revision"].partition("-")
     sure = form["sure"] or form["kind"] in AT_ONCE
-    with marking(out) if sure else reading(out) as class_:
+    with contextlib.ExitStack() as stack:
+        if sure:
+            stack.enter_context(_writing)  # somebody else at the desk; a command is not waited for
+        class_ = stack.enter_context(marking(out) if sure else reading(out))
         view = _View(class_, person)
         if seen != view.revision(scope).partition("-")[2]:
             raise Stale(_stale(view, form, int(last) if last.isdecimal() else 0))

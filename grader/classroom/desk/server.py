@@ -68,8 +68,10 @@ class Desk:
 class _Page(RequestHandler):
     """What all pages share."""
 
-    def initialize(self, desk: Desk) -> None:
-        self.desk = desk
+    def initialize(
+        self, desk: Desk, make: Callable[..., pages.Html] = pages.refused, asked: Sequence[str] = ()
+    ) -> None:  # fmt: skip
+        self.desk, self.make, self.asked = desk, make, asked
 
     def set_default_headers(self) -> None:
         self.clear_header("Server")
@@ -140,12 +142,6 @@ class _Enter(_Page):
 
 
 class _Shown(_Page):
-    def initialize(
-        self, desk: Desk, make: Callable[..., pages.Html], asked: Sequence[str] = ()
-    ) -> None:  # fmt: skip
-        super().initialize(desk)
-        self.make, self.asked = make, asked
-
     async def get(self, *about: str) -> None:
         asked = (self.get_query_argument(name, "") for name in self.asked)
         await self.answer(self.make, *about, *asked)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html as html_
 import shutil
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -74,6 +75,20 @@ def test_a_mark_is_shown_then_written_and_a_stale_one_is_refused(
     ada.send(ada.send(ada.page(ANN), {"kind": "score"}, points="90", why="x"), {"sure": "1"})
     ben.send(ben.send(bobs, {"kind": "score"}, points="60", why="x"), {"sure": "1"})
     assert points(graded) == {"ann": "90", "bob": "60", "eve": ""}
+
+
+def test_who_writes_at_the_same_time_waits(desk: tuple[Visitor, Visitor], graded: Path) -> None:
+    theirs = [
+        (each, each.page(f"/student/{student}/{SLUG}"))
+        for each, student in zip(desk, ("ann", "bob"), strict=True)
+    ]
+    with ThreadPoolExecutor() as pool:
+        sent = [
+            pool.submit(each.sent, page, {"kind": "comment"}, line="1", words="x")
+            for each, page in theirs
+        ]
+    assert [each.result()[0] for each in sent] == [200, 200]
+    assert sorted(who for who, _, _ in log_of(graded)) == ["Ada", "Ben"]
 
 
 def test_several_at_once_and_the_log(desk: tuple[Visitor, Visitor], graded: Path) -> None:
