@@ -106,7 +106,7 @@ skeletons: $(VENV)/.dev ## make the skeletons and notebooks anew
 
 # soupsieve 3 wants Python 3.11.5, and Debian 12 has 3.11.2
 constraints: ## pin the newest versions that fit pyproject.toml
-	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,cluster,notebooks,foxglove,site,dev]' \
+	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,cluster,desk,notebooks,foxglove,site,dev]' \
 	  'soupsieve<3' \
 	  | $(PYTHON) .ci/constraints.py > constraints.txt
 
@@ -124,7 +124,7 @@ $(VENV)/.course: $(VENV)/bin/python pyproject.toml constraints.txt
 	touch $@
 
 $(VENV)/.dev: $(VENV)/.course
-	$(PIP) install --constraint constraints.txt --editable '.[ros,ml,cluster,notebooks,foxglove,site,dev]'
+	$(PIP) install --constraint constraints.txt --editable '.[ros,ml,cluster,desk,notebooks,foxglove,site,dev]'
 	touch $@
 
 # PyTorch from the index of packages comes with CUDA, gigabytes of it. For its CPU build:

@@ -23,8 +23,8 @@ from grader.classroom.account import (
     student_lines,
 )  # fmt: skip
 from grader.classroom.conditions import fingerprint, submission_hash
-from grader.classroom.intake.exercise_files import Found, find_files, left_over, sole_work
-from grader.classroom.intake.handed_in import Student
+from grader.classroom.intake.exercise_files import WORK, Found, find_files, left_over, sole_work
+from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.classroom.intake.skeletons import is_handed_out
 from grader.classroom.intake.students import Intake, take_in
 from grader.classroom.intake.whose import NOTHING_KNOWN, Known
@@ -39,6 +39,8 @@ from grader.lms.book import Handed, StudentRow
 from grader.lms.people import NO_PERSON, Roster
 from grader.lms.times import times
 
+MOST_SHOWN = 20  # files of a student's for a person to read
+LONGEST_SHOWN = 100_000  # [bytes] of each
 OTHER_CLASS = "nobody in it handed in anything here: is it this class's roster?"
 NOBODY_SO = "nobody in the roster is called so or has this id"
 SKELETON = "still as it was handed out, so it was not handed in"
@@ -63,6 +65,7 @@ class Candidate:
     absent: bool = False  # nothing was handed in for this exercise
     whose: str = ""  # why it is nobody's yet; it is held then
     leader: str = ""  # of a group: who is graded for all of it
+    unknown: tuple[HandedIn, ...] = ()  # all that was handed in, if none of it is the exercise's
 
     def read(self) -> tuple[dict[str, bytes], str]:
         """Return the files' contents by name, and why nothing can be graded.
@@ -84,6 +87,16 @@ class Candidate:
         for name, path in self.found.python.items():
             with contextlib.suppress(OSError):
                 found[name] = read_regular_file(path)
+        return found
+
+    def shown(self) -> dict[str, bytes]:
+        """Return the texts for a person to read: the student's Python, or what may be it."""
+        rest = {each.name: each.path for each in self.unknown if each.name.lower().endswith(WORK)}
+        paths = {**self.found.files, **self.found.python} or rest
+        found = {}
+        for name, path in list(paths.items())[:MOST_SHOWN]:
+            with contextlib.suppress(OSError):
+                found[name] = read_regular_file(path, LONGEST_SHOWN)
         return found
 
     def input_hash(self, files: Mapping[str, bytes], options: Options) -> str:
@@ -146,6 +159,7 @@ def find_class(
                 absent=nothing and not each.files,
                 whose=student.whose or _another(student, slug, each, known),
                 leader=leaders.get((student.id, slug), ""),
+                unknown=() if each.files else tuple(student.files),
             )
     account = _account(intake, found, list(exercises), options)
     students = tuple(

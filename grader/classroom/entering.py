@@ -59,10 +59,12 @@ def enter_candidates(
     if lost and not (options.add or options.drop):
         raise InputError(_lost(lost, stored, found.candidates, submissions))
     kept = frozenset(lost if options.add else ())
+    texts = {}
     for key, candidate in found.candidates.items():
         if key in kept:
             continue
         files, problem = candidate.read()
+        texts[key] = candidate.shown()
         store.enter(
             key,
             candidate.input_hash(files, options),
@@ -70,6 +72,7 @@ def enter_candidates(
             absent=candidate.absent,
             compared=HASHED if regrade else None,
         )
+    store.keep_texts(texts)
     store.keep_only({*found.candidates, *kept}, slugs)
     said: list[str] = []
     if options.add and kept:

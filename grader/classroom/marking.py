@@ -6,11 +6,14 @@ Everything comes from the store: no recording is read but for replays, and no st
 from __future__ import annotations
 
 import contextlib
+import hashlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+
+import msgspec
 
 from grader.classroom.amendments.apply import amended, version_of
 from grader.classroom.amendments.change import Accept, Assign, Change, Undo, Whom
@@ -72,7 +75,11 @@ class Marking:
         self.store = store
         self.out = out
         self.options: ResultOptions = kept_options(store.kept(OPTIONS), store.students())
-        self.results: list[StoredResult] = [each for each in store.results() if not each.canary]
+
+    @cached_property
+    def results(self) -> list[StoredResult]:
+        """All results, as they were graded."""
+        return [each for each in self.store.results() if not each.canary]
 
     @property
     def rows(self) -> Mapping[str, StudentRow]:
@@ -88,6 +95,25 @@ class Marking:
     def entries(self) -> list[Entry]:
         """The log."""
         return self.store.log.entries()
+
+    def revision(self, students: Sequence[str] = ()) -> str:
+        """Return what tells these students' marks, or everybody's, from later ones.
+
+        Another entry about them changes it, and so does another grading.
+        """
+        mine = set(students)
+        entries = [
+            each for each in self.entries
+            if not mine or any(is_about(each, student, self.rows) for student in mine)
+        ]  # fmt: skip
+        graded = [
+            (one.student, one.exercise, one.state, one.finished, one.input_hash)
+            for one in self.results
+            if not mine or one.student in mine
+        ]
+        kept = "" if mine else self.store.kept(OPTIONS)
+        text = msgspec.json.encode(([entry.number for entry in entries], graded, kept))
+        return hashlib.sha256(text).hexdigest()[:32]
 
     # --- what is told ----------------------------------------------------------------------------
 

@@ -49,6 +49,8 @@ class Amended:
     entries: tuple[int, ...]  # of the log
     by_hand: bool  # a person's own score, whatever was graded
     graded: StoredResult  # as the judge made it
+    style: tuple[float, float] | None = None  # points for style, and out of how many; beside these
+    only_words: bool = False  # for the student to read; the points are the judge's
 
 
 def as_graded(result: StoredResult) -> StoredResult:

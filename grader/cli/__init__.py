@@ -14,6 +14,7 @@ from grader.cli import (
     check_bag,
     dataset,
     delay,
+    desk,
     doctor,
     drive,
     exercises,
@@ -56,6 +57,7 @@ for _command, _room in (
     (autograde.autograde, "classroom"),
     (marks.marks, "classroom"),
     (report.report, "classroom"),
+    (desk.desk, "classroom"),
     (release.release, "authoring"),
     (new.new, "authoring"),
 ):

@@ -31,6 +31,9 @@ Examples:
   course marks publish graded --section A --why "looked at"
   course marks assign graded "Ann Lee 71" s4711 --why "asked her"
   course marks accept graded ann my_agent.py --exercise 1 --why "the file is hers"
+  course marks comment graded ann agent.py 12 "The lidar may be silent here."
+  course marks request graded ann.txt
+  course marks answer graded 7 "Looked at: the check is right."
   course report graded
 """
 
@@ -52,14 +55,12 @@ class _Number(click.ParamType[float]):
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
         """Return the number."""
+        from grader.classroom.asked import number  # noqa: PLC0415
+
         try:
-            found = float(value)
-        except ValueError:
-            found = math.nan
-        if math.isfinite(found) and 0 <= found <= self._most:
-            return found
-        most = "at least 0" if self._most == math.inf else f"from 0 to {self._most:g}"
-        return self.fail(f"{value!r}: expected a number {most}, such as 8.5", param, ctx)
+            return number(value, self._most)
+        except InputError as error:
+            return self.fail(str(error), param, ctx)
 
 
 def _whom(command: Command) -> Command:
@@ -74,10 +75,13 @@ def _whom(command: Command) -> Command:
     return command
 
 
+by_option = click.option("--by", default="", metavar="NAME", help="Who; you, if it isn't said.")
+
+
 def _reason(command: Command) -> Command:
     """Add the options of the log."""
     for option in (
-        click.option("--by", default="", metavar="NAME", help="Who; you, if it isn't said."),
+        by_option,
         click.option("--why", required=True, metavar="TEXT", help="The reason, for the log."),
     ):
         command = option(command)
@@ -111,16 +115,12 @@ def set_(
     section: str, everybody: bool, may_lower: bool, preview: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Give a CHECK these POINTS, whatever it came to, where that costs nobody points."""
-    from grader.classroom.amendments.change import SetCheck  # noqa: PLC0415
+    from grader.classroom.asked import Named, set_check  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
+    named = Named(students, section, everybody)
     with marking(folder) as class_:
-        task = class_.exercise(exercise)
-        whom = class_.whom(students, section, everybody=everybody, task=task)
-        most = class_.check(task, check, whom)
-        if points > most:
-            raise InputError(f"{points:g} points: {check} of {task.slug} gives 0 to {most:g}")
-        change = SetCheck(task.slug, check, points, whom, may_lower=may_lower)
+        change = set_check(class_, named, exercise, check, points, may_lower=may_lower)
         return _changed(class_, change, by, why, preview=preview)
 
 
@@ -140,14 +140,12 @@ def waive(
 
     The other checks count for more.
     """
-    from grader.classroom.amendments.change import Waive  # noqa: PLC0415
+    from grader.classroom import asked  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
+    named = asked.Named(students, section, everybody)
     with marking(folder) as class_:
-        task = class_.exercise(exercise)
-        whom = class_.whom(students, section, everybody=everybody, task=task)
-        class_.check(task, check, whom)
-        change = Waive(task.slug, check, whom, may_lower=may_lower)
+        change = asked.waive(class_, named, exercise, check, may_lower=may_lower)
         return _changed(class_, change, by, why, preview=preview)
 
 
@@ -163,17 +161,13 @@ def score(
     everybody: bool, preview: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Give students these POINTS in an exercise, whatever was graded, or nothing handed in."""
-    from grader.classroom.amendments.change import Score  # noqa: PLC0415
+    from grader.classroom import asked  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
+    named = asked.Named(students, section, everybody)
     with marking(folder) as class_:
-        task = class_.exercise(exercise)
-        if not students:
-            raise InputError("a score is one student's: expected --student ID (more than once)")
-        whom = class_.whom(students, section, everybody=everybody, task=task)
-        if points > task.points:
-            raise InputError(f"{points:g} points: {task.slug} gives 0 to {task.points:g}")
-        return _changed(class_, Score(task.slug, points, whom), by, why, preview=preview)
+        change = asked.score(class_, named, exercise, points)
+        return _changed(class_, change, by, why, preview=preview)
 
 
 @marks.command()
@@ -201,26 +195,15 @@ def late(
     Times are those of the platform, as far as it has told them, or of --times. Without --deadline
     only what the platform itself calls late is late, and counts as one day.
     """
-    from grader.classroom.amendments.change import Late  # noqa: PLC0415
-    from grader.classroom.amendments.late import moment_of, span_of, times_of  # noqa: PLC0415
+    from grader.classroom import asked  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
+    named = asked.Named(students, section, everybody)
     with marking(folder) as class_:
-        task = class_.exercise(exercise)
-        whom = class_.whom(students, section, everybody=everybody)
-        known = {} if times is None else times_of(times, zone, class_.students, class_.rows)
-        if times is not None and not deadline:
-            raise InputError("--times needs --deadline: late is what comes after it")
-        rule = Late(
-            task.slug,
-            per_day,
-            moment_of(deadline, zone) if deadline else "",
-            span_of(grace),
-            cap,
-            zone,
-            known,
-            whom,
-        )
+        rule = asked.late(
+            class_, named, exercise, per_day, deadline=deadline, zone=zone, grace=grace, cap=cap,
+            times=times,
+        )  # fmt: skip
         return _changed(class_, rule, by, why, preview=preview)
 
 
@@ -234,13 +217,12 @@ def publish(
     everybody: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Copy feedback pages into FOLDER/published, and keep them in step; `undo` takes them back."""
-    from grader.classroom.amendments.change import Publish  # noqa: PLC0415
+    from grader.classroom import asked  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
-        slugs = tuple(class_.exercise(name).slug for name in exercises)
-        whom = class_.whom(students, section, everybody=everybody)
-        code = _told(class_.add(Publish(slugs, whom), _who(by), why))
+        change = asked.publish(class_, asked.Named(students, section, everybody), exercises)
+        code = _told(class_.add(change, _who(by), why))
     pages = len(list((folder / "published").glob("*/index.html")))
     echo(f"Students with published feedback: {pages} ({folder / 'published'})")
     return code
@@ -301,6 +283,77 @@ def accept(folder: Path, student: str, file: str, exercise: str, why: str, by: s
 
 @marks.command()
 @folder
+@click.argument("student")
+@click.argument("file")
+@click.argument("line", type=click.IntRange(1))
+@click.argument("words")
+@exercise
+@by_option
+def comment(
+    folder: Path, student: str, file: str, line: int, words: str, exercise: str, by: str
+) -> int:
+    """Put WORDS on a LINE of a STUDENT's FILE; the feedback page has them."""
+    from grader.classroom import asked  # noqa: PLC0415
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        change = asked.comment(class_, student, exercise, file, line, words)
+        return _changed(class_, change, by, asked.READ, preview=False)
+
+
+@marks.command()
+@folder
+@click.argument("student")
+@click.argument("points", nargs=-1, required=True, metavar="CRITERION=POINTS...")
+@exercise
+@by_option
+def style(folder: Path, student: str, points: tuple[str, ...], exercise: str, by: str) -> int:
+    """Give points for style by FOLDER/rubric.toml; they stand beside those of the checks."""
+    from grader.classroom import asked  # noqa: PLC0415
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    given = {}
+    for told in points:
+        name, sign, value = told.rpartition("=")
+        if not sign:
+            raise InputError(f"{told!r}: expected CRITERION=POINTS, such as Names=3")
+        given[name] = asked.number(value)
+    with marking(folder) as class_:
+        change = asked.style(class_, student, exercise, given)
+        return _changed(class_, change, by, asked.READ, preview=False)
+
+
+@marks.command()
+@folder
+@click.argument("file", type=click.Path(path_type=Path))
+@by_option
+def request(folder: Path, file: Path, by: str) -> int:
+    """Log what a student asks to look at again: the text of the feedback page, by mail or FILE."""
+    from grader.classroom import asked  # noqa: PLC0415
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        change = asked.request(class_, asked.text_of(file))
+        return _changed(class_, change, by, asked.SENT, preview=False)
+
+
+@marks.command()
+@folder
+@click.argument("number", type=click.IntRange(1))
+@click.argument("words")
+@by_option
+def answer(folder: Path, number: int, words: str, by: str) -> int:
+    """Answer the request that is entry NUMBER of the log; the feedback page has it."""
+    from grader.classroom import asked  # noqa: PLC0415
+    from grader.classroom.marking import marking  # noqa: PLC0415
+
+    with marking(folder) as class_:
+        change = asked.answer(class_, number, words)
+        return _changed(class_, change, by, asked.READ, preview=False)
+
+
+@marks.command()
+@folder
 def write(folder: Path) -> int:
     """Write all results anew, from the stored gradings and the log."""
     from grader.classroom.marking import marking  # noqa: PLC0415
@@ -317,8 +370,11 @@ def _changed(class_: Marking, change: Change, by: str, why: str, *, preview: boo
 
 
 def _who(by: str) -> str:
-    if by.strip():
-        return by
+    return by if by.strip() else user()
+
+
+def user() -> str:
+    """Return who runs this."""
     try:
         return getpass.getuser()
     except (OSError, KeyError):  # no name for this user

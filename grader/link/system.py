@@ -15,6 +15,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {  # what it is for: distributions
     "exercise 2, 5, 6, 8 and 9 (extra `ml`)": ("scikit-learn", "onnxruntime", "onnx", "skl2onnx"),
     "PyTorch and Keras in exercise 8 (extra `deep`)": ("torch", "keras"),
     "grading on a cluster (extra `cluster`)": ("distributed",),
+    "the desk (extra `desk`)": ("tornado",),
     "notebooks (extra `notebooks`)": ("jupyterlab", "nbgrader"),
 }
 WHEELS_BEFORE = (3, 14)  # a Python for which there are none any more

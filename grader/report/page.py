@@ -49,6 +49,7 @@ SCRIPTS = (
     "layout.js",
     "opening.js",
     "player.js",
+    "ask.js",
     "page.js",
 )
 

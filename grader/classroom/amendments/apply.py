@@ -9,17 +9,20 @@ from typing import Any
 from msgspec.structs import replace as replace_struct
 
 from grader.classroom.amendments.change import (
+    Answer,
     Assign,
+    Comment,
     Late,
     Publish,
     Score,
     SetCheck,
+    Style,
     Undo,
     Waive,
     Whom,
 )
 from grader.classroom.amendments.late import lateness
-from grader.classroom.amendments.log import Entry
+from grader.classroom.amendments.log import Entry, style_words
 from grader.classroom.amendments.people import find_student
 from grader.classroom.marks import TO_HOLD, points_of, tasks_of
 from grader.classroom.row import ABSENT, GRADED, HELD, STALLS, UNJUDGED, Amended, StoredResult
@@ -124,7 +127,7 @@ def published(
 
 def _is_about(entry: Entry, result: StoredResult, rows: Mapping[str, StudentRow]) -> bool:
     match entry.change:
-        case SetCheck() | Waive() | Late() | Score():
+        case SetCheck() | Waive() | Late() | Score() | Comment() | Style() | Answer():
             same = entry.change.exercise == result.exercise
             return same and entry.change.whom.includes(result.student, rows)
     return False
@@ -171,11 +174,35 @@ def _amended(
         counted = [entry]
         changed = replace(changed, state=GRADED)
         _note_version(entry, given.whom, result, known)
-    if not counted:
+    words = _words(entries, result, known)
+    if not counted and not words:
         return result
-    numbers = tuple(entry.number for entry in counted)
-    amended_ = Amended(points, tuple(steps), numbers, by_hand=bool(scores), graded=result)
+    numbers = tuple(entry.number for entry in (*counted, *(entry for entry, _ in words)))
+    style = [entry.change for entry, _ in words if isinstance(entry.change, Style)]
+    amended_ = Amended(
+        points, (*steps, *(said for _, said in words)), numbers, by_hand=bool(scores),
+        graded=result, style=style[0].sums if style else None, only_words=not counted,
+    )  # fmt: skip
     return replace(changed, amended=amended_)
+
+
+def _words(
+    entries: Sequence[Entry], result: StoredResult, known: _Known
+) -> list[tuple[Entry, str]]:
+    """Return what the student is to read beside the points."""
+    styles = [entry for entry in entries if isinstance(entry.change, Style)]
+    found = []
+    for entry in entries:
+        match entry.change:
+            case Comment() as told:
+                found.append((entry, f"{told.file}, line {told.line}: {told.words}"))
+                _note_version(entry, told.whom, result, known)
+            case Style() as told if entry is styles[-1]:
+                found.append((entry, f"Beside these points: {style_words(told)}."))
+                _note_version(entry, told.whom, result, known)
+            case Answer() as told:
+                found.append((entry, f"Answer to your request: {told.words}"))
+    return found
 
 
 def _lowers(before: StoredResult, after: StoredResult, graded: StoredResult, task: Task) -> bool:

@@ -103,10 +103,54 @@ class Accept(_Change, frozen=True, tag="accept"):
     whom: Whom = Whom()
 
 
+class Comment(_Change, frozen=True, tag="comment"):
+    """Words on a line of a student's file, for the student to read."""
+
+    exercise: str
+    file: str
+    line: int  # from 1
+    words: str
+    whom: Whom
+
+
+class Style(_Change, frozen=True, tag="style"):
+    """Points for style, beside those of the checks; the newest counts."""
+
+    exercise: str
+    given: dict[str, tuple[float, float]]  # criterion of the rubric: points, and out of how many
+    whom: Whom
+
+    @property
+    def sums(self) -> tuple[float, float]:
+        """Points, and out of how many."""
+        won, most = zip(*self.given.values(), strict=True)
+        return sum(won), sum(most)
+
+
+class Request(_Change, frozen=True, tag="request"):
+    """A student asks a person to look again; it changes nothing."""
+
+    exercise: str
+    check: str  # "": none in particular
+    moment: float | None  # [s] of the run
+    words: str  # the student's
+    whom: Whom
+
+
+class Answer(_Change, frozen=True, tag="answer"):
+    """What a person answers to a request, for the student to read."""
+
+    request: int  # its number in the log
+    exercise: str
+    words: str
+    whom: Whom
+
+
 class Undo(_Change, frozen=True, tag="undo"):
     """An earlier entry no longer counts; undoing an undo brings it back."""
 
     number: int
 
 
-Change = SetCheck | Waive | Late | Score | Publish | Assign | Accept | Undo
+Words = Comment | Style | Answer  # what a student reads beside the points
+Change = SetCheck | Waive | Late | Score | Publish | Assign | Accept | Words | Request | Undo

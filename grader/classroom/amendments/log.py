@@ -15,12 +15,16 @@ import msgspec
 
 from grader.classroom.amendments.change import (
     Accept,
+    Answer,
     Assign,
     Change,
+    Comment,
     Late,
     Publish,
+    Request,
     Score,
     SetCheck,
+    Style,
     Undo,
     Waive,
 )
@@ -121,9 +125,25 @@ def described(change: Change) -> str:
             words = f"{change.was or ', '.join(change.entries)} is theirs"
         case Accept():
             words = f"{change.exercise}: {change.file} counts as its file"
+        case Comment():
+            words = f"{change.exercise}: on {change.file}, line {change.line}: {change.words}"
+        case Style():
+            words = f"{change.exercise}: {style_words(change)}"
+        case Request():
+            about = f", {change.check}" if change.check else ""
+            words = f"{change.exercise}{about}: asks to look again: {change.words}"
+        case Answer():
+            words = f"{change.exercise}: answer to request {change.request}: {change.words}"
         case Undo():
             return f"entry {change.number} is undone"
     return f"{words} ({change.whom})"
+
+
+def style_words(style: Style) -> str:
+    """Return the points for style in words."""
+    single = "; ".join(f"{name} {won:g} of {most:g}" for name, (won, most) in style.given.items())
+    won, most = style.sums
+    return f"style {won:g} of {most:g} ({single})"
 
 
 def _late(rule: Late) -> str:

@@ -59,7 +59,7 @@ def class_page(
         sections=[
             (title, _rows(mine, tasks)) for title, mine in sections_of(results, options).items()
         ],
-        headings=[(_heading(task, len(tasks)), "number") for task in tasks],
+        tasks=tasks,
         students=list(_students(results, tasks, options)),
         changes=[
             (entry, described(entry.change), entry.number not in undone)
@@ -124,11 +124,6 @@ def _rows(mine: Results, tasks: Sequence[Task]) -> list[tuple[Task, Results, Dis
     """Return a section's results by exercise."""
     by_task = [(task, [r for r in mine if r.exercise == task.slug]) for task in tasks]
     return [(task, theirs, distribution(theirs, task)) for task, theirs in by_task]
-
-
-def _heading(task: Task, tasks: int) -> str:
-    """Return the heading of an exercise's column, short where there are many."""
-    return task.heading if tasks <= 4 else f"Ex. {task.number}"
 
 
 def _students(

@@ -61,7 +61,8 @@ def exercise_page(
         notes = [*(grading.get("notes") or ()), *steps]
         grading |= {"score": points, "max_score": task.points, "notes": notes}
     recordings = runs_for_students(_recordings(bags), hidden) if bags else []
-    return page_html(page_payload(grading, recordings, title))
+    ask = {"student": result.student, "exercise": result.exercise}
+    return page_html(page_payload(grading, recordings, title) | {"ask": ask})
 
 
 def index_page(

@@ -17,19 +17,24 @@ from grader.lms.clean import one_line, visible
 from grader.report.page import GENERATED_BY
 
 TEMPLATES = Path(__file__).resolve().parent / "templates"
+DESK = Path(__file__).resolve().parents[1] / "desk" / "templates"
 TOKENS = Path(__file__).resolve().parents[2] / "report" / "player" / "tokens.css"
 
 
-def render(template: str, title: str, *, frames: bool = False, **about: object) -> str:
+def render(
+    template: str, title: str, *, frames: bool = False, desk: bool = False, **about: object
+) -> str:  # fmt: skip
     """Return the HTML of a page, in pure ASCII, so that it survives any transport.
 
-    Text is escaped. With `frames` the page may show other pages of this folder.
+    Text is escaped. With `frames` the page may show other pages of this folder. A page of the
+    `desk` may send forms to its server, and show its other pages.
     """
-    style, digest = _style()
+    style, digest = _style(desk=desk)
     policy = (
-        f"default-src 'none'; style-src 'sha256-{digest}'; img-src data:; "
-        "base-uri 'none'; form-action 'none'"
-    ) + ("; frame-src 'self' file:" if frames else "")
+        f"default-src 'none'; style-src 'sha256-{digest}'; img-src data:; base-uri 'none'; "
+        + ("form-action 'self'; frame-src 'self'" if desk else "form-action 'none'")
+        + ("; frame-src 'self' file:" if frames else "")
+    )
     html = (
         _environment()
         .get_template(template)
@@ -41,10 +46,10 @@ def render(template: str, title: str, *, frames: bool = False, **about: object) 
 @functools.cache
 def _environment() -> Environment:
     made = Environment(
-        loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined,
+        loader=FileSystemLoader([TEMPLATES, DESK]), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True, finalize=_seen,
     )  # fmt: skip
-    made.globals["generator"] = GENERATED_BY
+    made.globals |= {"generator": GENERATED_BY, "headings": words.headings}
     made.filters |= {
         "before_cap": lambda result: marks.raw_points(result)[2],
         "cap": marks.cap_of,
@@ -57,6 +62,7 @@ def _environment() -> Environment:
         "points_of": marks.points_of,
         "signed": words.signed,
         "so_far": marks.so_far,
+        "state": marks.state_of,
         "url": quote,
     }
     made.tests |= {
@@ -74,8 +80,8 @@ def _seen(value: object) -> object:
 
 
 @functools.cache
-def _style() -> tuple[str, str]:
+def _style(*, desk: bool) -> tuple[str, str]:
     """Return the style sheet and its hash for the policy."""
-    files = (TOKENS, TEMPLATES / "class.css")
+    files = (TOKENS, TEMPLATES / "class.css", *([DESK / "desk.css"] if desk else []))
     style = "\n".join(path.read_text("utf-8").replace("\r\n", "\n") for path in files)
     return style, base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()

@@ -27,7 +27,7 @@ from grader.lms.tables import Cell, Verbatim, csv_text
 SCORES = (
     "student", "name", "id", "section", "exercise", "state", "points", "max_points", "score",
     "max_score", "before_cap", "field_ready", "passed", "failed", "skipped", "attempts", "wall_s",
-    "handed_in", "late", "finished", "problem", "points_as_graded", "changed",
+    "handed_in", "late", "finished", "problem", "points_as_graded", "changed", "style", "max_style",
 )  # fmt: skip
 # of the ids, the one that the instructor's lists most likely have
 ID_FIRST = ("canvas", "id", "idnumber", "sis", "login", "email", "github")
@@ -101,4 +101,5 @@ def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
         why_held(result).reason if is_held(result) else result.problem,
         points_of(as_graded(result), task) if result.amended else None,
         " ".join(result.amended.steps) if result.amended else "",
+        *((result.amended and result.amended.style) or (None, None)),
     ]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from datetime import UTC, datetime
 
+from grader.lms.book import Task
 from grader.lms.clean import one_line
 
 NOTHING = "\N{EN DASH}"
@@ -31,3 +33,8 @@ def signed(value: float | None) -> str:
 def plural(n: int, word: str) -> str:
     """Return a count with its noun."""
     return f"{n} {word}" if n == 1 else f"{n} {word}s"
+
+
+def headings(tasks: Collection[Task]) -> list[tuple[str, str]]:
+    """Return the headings of the exercises' columns, short where there are many, with a class."""
+    return [(task.heading if len(tasks) <= 4 else f"Ex. {task.number}", "number") for task in tasks]

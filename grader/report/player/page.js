@@ -254,6 +254,7 @@ function buildPage(page, payload) {
       grading ? buildChecks(grading, checks, { runs: replays.map(toRun), show }) : null,
       grading ? el('aside', { class: 'replay-column', 'aria-label': 'Replay' }, root)
         : el('main', { class: 'replay-column' }, name, root)),
+    grading && !payload.embedded ? buildAsk(payload.ask, checks) : null,
     payload.embedded ? null : buildFooter(payload));
   window.replayPlayer = mountPlayer(root, payload);
   window.addEventListener('beforeprint', () => asPrinted(page));

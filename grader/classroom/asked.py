@@ -1,0 +1,271 @@
+"""What a person asks for, at the command line or at the desk, as a change of the log.
+
+Nothing here writes: `Marking.add` does, and `Marking.preview` says what it would come to.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from grader.classroom.amendments.change import (
+    Answer,
+    Comment,
+    Late,
+    Publish,
+    Request,
+    Score,
+    SetCheck,
+    Style,
+    Waive,
+    Whom,
+)
+from grader.classroom.amendments.late import moment_of, span_of, times_of
+from grader.classroom.amendments.log import Entry, active
+from grader.classroom.amendments.people import nearest
+from grader.classroom.amendments.request_text import LAST, MOST, fields_of
+from grader.course.submission import read_regular_file
+from grader.errors import InputError
+from grader.link.cell import Refused, read_in_cell
+from grader.lms.clean import visible
+
+if TYPE_CHECKING:
+    from grader.classroom.marking import Marking
+    from grader.lms.book import Task
+
+RUBRIC = "rubric.toml"  # in the folder of the class
+READ, SENT = "looked at", "sent by the student"  # reasons, where none is asked for
+MAX_WORDS = 2000  # [characters] of a comment, an answer, or what a student asks
+
+
+@dataclass(frozen=True)
+class Named:
+    """Whom a person names."""
+
+    students: Sequence[str] = ()
+    section: str = ""
+    everybody: bool = False
+
+    def whom(self, class_: Marking, task: Task | None = None) -> Whom:
+        """Return whom they are; see `Marking.whom`."""
+        return class_.whom(self.students, self.section, everybody=self.everybody, task=task)
+
+
+def number(text: object, most: float = math.inf) -> float:
+    """Return a finite number, as a person types it.
+
+    Raises InputError: it is none, or not from 0 to `most`.
+    """
+    try:
+        found = float(str(text))
+    except ValueError:
+        found = math.nan
+    if math.isfinite(found) and 0 <= found <= most:
+        return found
+    limits = "at least 0" if most == math.inf else f"from 0 to {most:g}"
+    raise InputError(f"{text!r}: expected a number {limits}, such as 8.5")
+
+
+# --- points --------------------------------------------------------------------------------------
+
+
+def set_check(
+    class_: Marking, named: Named, exercise: str, check: str, points: float, *, may_lower: bool
+) -> SetCheck:
+    """Return the change by which a check has these points.
+
+    Raises InputError: there is no such exercise, student or check, or it gives fewer points.
+    """
+    task = class_.exercise(exercise)
+    whom = named.whom(class_, task)
+    most = class_.check(task, check, whom)
+    if points > most:
+        raise InputError(f"{points:g} points: {check} of {task.slug} gives 0 to {most:g}")
+    return SetCheck(task.slug, check, points, whom, may_lower=may_lower)
+
+
+def waive(
+    class_: Marking, named: Named, exercise: str, check: str, *, may_lower: bool
+) -> Waive:  # fmt: skip
+    """Return the change by which a check doesn't count.
+
+    Raises InputError: there is no such exercise, student or check.
+    """
+    task = class_.exercise(exercise)
+    whom = named.whom(class_, task)
+    class_.check(task, check, whom)
+    return Waive(task.slug, check, whom, may_lower=may_lower)
+
+
+def score(class_: Marking, named: Named, exercise: str, points: float) -> Score:
+    """Return the change by which students have these points.
+
+    Raises InputError: there is no such exercise or student, none is named, or it has fewer points.
+    """
+    task = class_.exercise(exercise)
+    if not named.students:
+        raise InputError("a score is one student's: expected --student ID (more than once)")
+    whom = named.whom(class_, task)
+    if points > task.points:
+        raise InputError(f"{points:g} points: {task.slug} gives 0 to {task.points:g}")
+    return Score(task.slug, points, whom)
+
+
+def late(
+    class_: Marking, named: Named, exercise: str, per_day: float, *, deadline: str = "",
+    zone: str = "UTC", grace: str = "0", cap: float = 100.0, times: Path | None = None,
+) -> Late:  # fmt: skip
+    """Return the rule by which lateness costs points.
+
+    Raises InputError: there is no such exercise or student, or no such time.
+    """
+    task = class_.exercise(exercise)
+    whom = named.whom(class_)
+    known = {} if times is None else times_of(times, zone, class_.students, class_.rows)
+    if times is not None and not deadline:
+        raise InputError("--times needs --deadline: late is what comes after it")
+    since = moment_of(deadline, zone) if deadline else ""
+    return Late(task.slug, per_day, since, span_of(grace), cap, zone, known, whom)
+
+
+def publish(class_: Marking, named: Named, exercises: Sequence[str]) -> Publish:
+    """Return the change by which students may see their feedback.
+
+    Raises InputError: there is no such exercise or student.
+    """
+    slugs = tuple(class_.exercise(name).slug for name in exercises)
+    return Publish(slugs, named.whom(class_))
+
+
+# --- words ---------------------------------------------------------------------------------------
+
+
+def comment(
+    class_: Marking, student: str, exercise: str, file: str, line: float, words: str
+) -> Comment:
+    """Return words on a line of a student's file.
+
+    Raises InputError: there is no such student, exercise, file or line, or nothing is said.
+    """
+    task, who = class_.exercise(exercise), class_.student(student)
+    texts = class_.store.texts((who, task.slug))
+    if file not in texts:
+        raise nearest(file, texts, f"file of {who} in {task.slug}")
+    last = len(lines_of(texts[file]))
+    if line != int(line) or not 1 <= line <= last:
+        raise InputError(f"line {line:g}: {file} of {who} has lines 1 to {last}")
+    return Comment(task.slug, file, int(line), _words(words), Named([who]).whom(class_, task))
+
+
+def style(class_: Marking, student: str, exercise: str, given: Mapping[str, float]) -> Style:
+    """Return points for style by the class's rubric.
+
+    Raises InputError: there is no such student, exercise or rubric, or a criterion has no points,
+    or too many.
+    """
+    task, rubric = class_.exercise(exercise), rubric_of(class_.out)
+    if not rubric:
+        raise InputError(
+            f'expected a file {RUBRIC} in {class_.out}, with a table [points] and a line '
+            '"WHAT IS LOOKED AT" = POINTS for each criterion'
+        )  # fmt: skip
+    for name in given:
+        if name not in rubric:
+            raise nearest(name, rubric, "criterion of the rubric")
+    if missing := [name for name in rubric if name not in given]:
+        raise InputError(f"the rubric's {missing[0]!r}: expected points from 0 to "
+                         f"{rubric[missing[0]]:g}")  # fmt: skip
+    for name, points in given.items():
+        number(points, rubric[name])
+    found = {name: (float(given[name]), most) for name, most in rubric.items()}
+    return Style(task.slug, found, Named([class_.student(student)]).whom(class_, task))
+
+
+def rubric_of(out: Path) -> dict[str, float]:
+    """Return the points that each criterion of style gives; {} if the class has no rubric.
+
+    Raises InputError: the file is none.
+    """
+    try:
+        points = tomllib.loads((out / RUBRIC).read_text("utf-8"))["points"]
+        found = {str(name): number(most) for name, most in points.items()}
+    except FileNotFoundError:
+        return {}
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, KeyError, AttributeError) as error:
+        raise InputError(
+            f'{out / RUBRIC}: expected a table [points] with lines like "Names" = 4 ({error})'
+        ) from None
+    return found
+
+
+# --- requests ------------------------------------------------------------------------------------
+
+
+def request(class_: Marking, text: str) -> Request:
+    """Return what a student asks, by the text of the feedback page.
+
+    Raises InputError: it is no such text, is about nobody, or is in the log already.
+    """
+    try:
+        said = read_in_cell(fields_of, text, returns=dict[str, str])
+    except Refused as error:
+        raise InputError(str(error)) from None
+    who, task = class_.student(said["student"]), class_.exercise(said["exercise"])
+    check = said.get("check", "")
+    if check:
+        class_.check(task, check, Whom())
+    moment = number(said["moment"].removesuffix("s")) if said.get("moment") else None
+    whom = Named([who]).whom(class_, task)
+    change = Request(task.slug, check, moment, _words(said[LAST]), whom)
+    for entry in active(class_.entries):
+        if entry.change == change:
+            raise InputError(f"entry {entry.number} of the log is this request already")
+    return change
+
+
+def text_of(file: Path) -> str:
+    """Return the text of a file that a student has sent.
+
+    Raises OSError: it can't be read, or is no regular file.
+    """
+    return read_regular_file(file, MOST).decode("utf-8-sig", "replace")
+
+
+def answer(class_: Marking, number_: float, words: str) -> Answer:
+    """Return the answer to a request, by its number in the log.
+
+    Raises InputError: there is no such request, or nothing is said.
+    """
+    for entry, asked, _ in requests(class_.entries):
+        if entry.number == number_:
+            return Answer(entry.number, asked.exercise, _words(words), asked.whom)
+    raise InputError(f"entry {number_:g} of the log is no request that counts")
+
+
+def requests(entries: Sequence[Entry]) -> list[tuple[Entry, Request, list[Entry]]]:
+    """Return the requests that count, each with its answers, the newest first."""
+    counting = active(entries)
+    found = []
+    for entry in reversed(counting):
+        if isinstance(entry.change, Request):
+            mine = [each for each in counting if isinstance(each.change, Answer)
+                    and each.change.request == entry.number]  # fmt: skip
+            found.append((entry, entry.change, mine))
+    return found
+
+
+def lines_of(text: bytes) -> list[str]:
+    """Return the lines of what a student handed in, as Python counts them."""
+    return re.split(r"\r\n|\r|\n", text.decode("utf-8", "replace").rstrip())
+
+
+def _words(text: str) -> str:
+    words = " ".join(visible(text).split())
+    if not 0 < len(words) <= MAX_WORDS:
+        raise InputError(f"expected words, at most {MAX_WORDS} characters of them")
+    return words
