@@ -33,6 +33,7 @@ from .frames import ENTERED, REFUSED, Birth, Clear, Done, Fault, Furnish, Hello,
 from .kinds import LIVE, NODES, TESTS
 from .virtual import kernel as kernel_module
 from .virtual import threads
+from .wire import Wire
 
 HOME = ".home"  # below the node's folder: what lies beside a node does not lie in ~
 REQUEST_DESCRIPTORS = 5  # link in, link out, stdout, stderr, status
@@ -110,9 +111,7 @@ def prepared(kind: str, epoch: int, libraries: Sequence[str]) -> Body:
     """Import what takes long; return what a host of this kind does with its link."""
     body: Body = scripts.serve
     if kind in (NODES, TESTS):
-        kernel = kernel_module.Kernel()
-        threads.install(kernel, epoch)
-        _warm_up()
+        kernel = prepare_nodes(epoch)
         body = functools.partial(_run_student, kernel, epoch)
         if kind == TESTS:
             body = functools.partial(_run_test, kernel, epoch)
@@ -124,6 +123,14 @@ def prepared(kind: str, epoch: int, libraries: Sequence[str]) -> Body:
     inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
     imports.host.settle()
     return body
+
+
+def prepare_nodes(epoch: int) -> kernel_module.Kernel:
+    """Put virtual time under Python and import what nodes need; return its kernel."""
+    kernel = kernel_module.Kernel()
+    threads.install(kernel, epoch)
+    _warm_up()
+    return kernel
 
 
 def _answer(control: socket.socket, body: Body, means: Hello, children: dict[int, Child]) -> bool:
@@ -234,10 +241,16 @@ def _prepare_host(request: Request, output: tuple[int, int], *, live: bool) -> N
 
 
 def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_out: int) -> None:
+    run_trial(kernel, epoch, Wire(link_in, link_out))
+    os._exit(0)
+
+
+def run_trial(kernel: kernel_module.Kernel, epoch: int, wire: Wire) -> None:
+    """Run the programs that the judge names first through a wire; once in a process."""
     from . import program  # noqa: PLC0415  (rclpy is imported by now)
     from .virtual import bridge, discovery, executors, session  # noqa: PLC0415
 
-    trial = session.Session(link_in, link_out)
+    trial = session.Session(wire)
     trial.kernel, kernel.world = kernel, trial
     start = trial.start()
     trial.charge_compute = start.charge_compute
@@ -258,7 +271,6 @@ def _run_student(kernel: kernel_module.Kernel, epoch: int, link_in: int, link_ou
     trial.mark()
     trial.turns.install()
     program.run(trial, start)
-    os._exit(0)
 
 
 def _give_input(data: bytes) -> None:

@@ -28,7 +28,7 @@ def serve(kind: str, epoch: str, *rest: str) -> None:
 
     body = forkserver.prepared(kind, int(epoch), libraries)
     os.write(link_out, LENGTH.pack(0))  # ready
-    _enter(msgspec.json.decode(Wire(link_in, link_out).read_frame(), type=Request).folder)
+    enter(msgspec.json.decode(Wire(link_in, link_out).read_frame(), type=Request).folder)
     body(link_in, link_out)
     os._exit(0)
 
@@ -52,7 +52,8 @@ def _take_pipes(stdout: str, stderr: str) -> tuple[int, int]:
     return link_in, link_out
 
 
-def _enter(folder: str) -> None:
+def enter(folder: str) -> None:
+    """Work in a folder: of a node, or of what it asks for."""
     os.chdir(folder)
     home = Path(folder, ".home")  # what lies beside a node does not lie in ~
     home.mkdir(exist_ok=True)

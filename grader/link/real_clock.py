@@ -7,9 +7,17 @@ is replaced in C, is for trials in real time: their hosts are always other proce
 from __future__ import annotations
 
 import time
-from time import monotonic, monotonic_ns, perf_counter, sleep, time_ns
+from time import monotonic, monotonic_ns, perf_counter, process_time, sleep, time_ns
 
-__all__ = ["cpu_time", "monotonic", "monotonic_ns", "perf_counter", "sleep", "time_ns"]
+__all__ = [
+    "cpu_time",
+    "monotonic",
+    "monotonic_ns",
+    "perf_counter",
+    "process_time",
+    "sleep",
+    "time_ns",
+]
 
 
 def cpu_time(pid: int) -> float:

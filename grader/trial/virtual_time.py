@@ -75,6 +75,7 @@ def run_trial(
     keys: bytes = b"",
     env: Sequence[tuple[str, str]] = (),
     interrupt: bool = False,
+    lead: int = 0,
 ) -> Recording:
     """Run a student's file in a scenario and return what happened.
 
@@ -98,6 +99,8 @@ def run_trial(
         What is added to their environment: names and values.
     interrupt
         When all is recorded, send the programs SIGINT, and note what comes of it.
+    lead
+        How long before the scenario to start the programs [ns], if that has been found out.
 
     Raises
     ------
@@ -108,7 +111,6 @@ def run_trial(
     if problem is not None:
         return not_run(Simulation(scenario, seed), problem)
     limits = limits or Limits()
-    lead = 0
     while True:
         simulation = Simulation(scenario, seed)
         with (

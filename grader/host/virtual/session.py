@@ -46,8 +46,8 @@ PUBLISHING = 2_000_000  # [ns] ... before each costs this much: about 500 in a s
 class Session(kernel_module.World):
     """Talks to the judge whenever the kernel comes to the end of the time it may spend."""
 
-    def __init__(self, read_fd: int, write_fd: int) -> None:
-        self._wire = Wire(read_fd, write_fd)
+    def __init__(self, wire: Wire) -> None:
+        self._wire = wire
         self._marked = -1
         self.turns = Turns()
         self._looks = 0

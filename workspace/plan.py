@@ -1,0 +1,74 @@
+"""What the page has to know of an exercise before a Python runs there: its checks and scenarios."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import pytest
+
+from grader.course.exercises import Exercise
+from grader.errors import GraderError
+from grader.grading.grading import grade
+from grader.trial.trials import SavedTrials
+from sim.scenario_files import load_scenario
+
+
+class _Marks:
+    """Reads the marks of an exercise's core checks, and runs none."""
+
+    def __init__(self) -> None:
+        self.by_check: dict[str, dict[str, Any]] = {}
+
+    def pytest_configure(self, config: pytest.Config) -> None:
+        config.addinivalue_line("markers", "check: one check")
+
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        for item in items:
+            mark = item.get_closest_marker("check")
+            if mark is not None and not mark.kwargs.get("field"):
+                self.by_check[item.name.removeprefix("test_")] = mark.kwargs
+        items.clear()
+
+    def scenarios_of(self, check: str) -> list[str]:
+        """Return what a check asks for, after what the checks ask for that it needs."""
+        mark = self.by_check[check]
+        needed = [name for need in mark.get("needs", ()) for name in self.scenarios_of(need)]
+        return list(dict.fromkeys([*needed, *mark["scenarios"]]))
+
+
+def plan(exercise: Exercise) -> dict[str, Any]:
+    """Return the exercise's JSON object for the page; its checks in the order of the tasks.
+
+    Raises
+    ------
+    GraderError
+        Its checks can't be read.
+    """
+    marks, file = _Marks(), exercise.files[0]
+    settings = (f"--rootdir={exercise.judge}", f"--config-file={os.devnull}", "-q")
+    options = ("--import-mode=importlib", "-p", "no:cacheprovider", "-p", "no:terminal")
+    pytest.main([str(exercise.judge), *settings, *options], plugins=[marks])
+    if not marks.by_check:
+        raise GraderError(f"{exercise.judge}: expected core checks, found none")
+    checks = [
+        {
+            "id": check.id,
+            "title": check.title,
+            "points": check.max_points,
+            "task": check.task,
+            "hint": check.hint,
+            "scenarios": marks.scenarios_of(check.id),
+        }
+        for check in grade(exercise, SavedTrials([]), file=file).checks
+    ]
+    names = dict.fromkeys(name for check in checks for name in check["scenarios"])
+    return {
+        "number": exercise.number,
+        "slug": exercise.slug,
+        "title": exercise.title,
+        "files": list(exercise.files),
+        "points": exercise.max_points,
+        "checks": checks,
+        "scenarios": {name: load_scenario(name).title for name in names},
+    }
