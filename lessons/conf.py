@@ -20,6 +20,7 @@ extensions = [
     "course_links",
     "accessible",
     "acts",
+    "workspace_block",
 ]
 myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3

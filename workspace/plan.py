@@ -46,7 +46,7 @@ def plan(exercise: Exercise) -> dict[str, Any]:
         Its checks can't be read.
     """
     marks, file = _Marks(), exercise.files[0]
-    settings = (f"--rootdir={exercise.judge}", f"--config-file={os.devnull}", "-q")
+    settings = (f"--rootdir={exercise.judge}", f"--config-file={os.devnull}")
     options = ("--import-mode=importlib", "-p", "no:cacheprovider", "-p", "no:terminal")
     pytest.main([str(exercise.judge), *settings, *options], plugins=[marks])
     if not marks.by_check:

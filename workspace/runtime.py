@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import pickle
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,16 +20,20 @@ if TYPE_CHECKING:
     from grader.link.in_process import InProcess
     from grader.recording import Recording
 
-ROOT = Path(__file__).resolve().parents[1]
 PATIENCE = 3600.0  # [s] of a trial: whether to wait is the reader's choice
 MESSAGES = ("numpy.random", "numpy.linalg", "numpy.fft")  # a node's first use would load them
 
 
 class Runtime:
-    """One warm process; `recordings` is a folder that outlives its copies."""
+    """One warm process.
 
-    def __init__(self, recordings: Path) -> None:
+    `recordings` is a folder that outlives its copies; `reached` is told the time [s] in a trial,
+    twice in a second or less often.
+    """
+
+    def __init__(self, recordings: Path, reached: Callable[[float], object]) -> None:
         self._recordings = recordings
+        self._reached = reached
         self._launcher: InProcess
 
     def begin(self) -> None:
@@ -54,7 +58,7 @@ class Runtime:
         for name in MESSAGES:
             __import__(name)
         typestore()
-        self._launcher = InProcess(EPOCH_NS)
+        self._launcher = InProcess(EPOCH_NS, self._reached)
 
     def trial(self, order: str) -> str:
         """Run a trial and keep its recording under the name of its scenario; say how it ended.
@@ -127,9 +131,9 @@ class Runtime:
         return self._recordings / f"{scenario}.pickle"
 
 
-def warm(recordings: str) -> Runtime:
+def warm(recordings: str, reached: Callable[[float], object] = lambda _: None) -> Runtime:
     """Return a runtime that has begun."""
     sys.path.append(str(Path(__file__).parent / "stand_ins" / "gaps"))
-    runtime = Runtime(Path(recordings))
+    runtime = Runtime(Path(recordings), reached)
     runtime.begin()
     return runtime

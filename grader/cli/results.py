@@ -50,7 +50,8 @@ def show(
     `changed`: what changed since the last attempt; it is printed, and in no file; `everything`:
     each check with its details; `todo`: what to type next.
     """
-    from grader.report.page import json_text, render_terminal  # noqa: PLC0415
+    from grader.report.page import json_text  # noqa: PLC0415
+    from grader.report.terminal import render_terminal  # noqa: PLC0415
 
     result = grading.as_dict()
     if json_ == JSON_STDOUT:

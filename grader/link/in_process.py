@@ -16,7 +16,7 @@ import inspect
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Generic, NoReturn, cast
 
@@ -34,6 +34,7 @@ from grader.link.ros_environment import portable_ros
 from grader.link.settings import NO_GPU, SAME_RUNS
 from grader.link.workplace import Workplace
 
+TELL_EVERY = 0.5  # [s]
 ISOLATION = "the browser: the page reaches nothing but itself"
 
 
@@ -56,13 +57,14 @@ class InProcess:
     """The launcher of one host in this process.
 
     Making it puts virtual time under Python, for good, and imports what nodes need: make it once,
-    before the process is copied.
+    before the process is copied. `reached` is told from time to time how far a trial has come [s].
     """
 
     isolation = ISOLATION
     practice = PRACTICE
 
-    def __init__(self, epoch: int) -> None:
+    def __init__(self, epoch: int, reached: Callable[[float], object] = lambda _: None) -> None:
+        self.reached = reached
         os.environ.update({**SAME_RUNS, **NO_GPU})  # rclpy reads some of it once
         sys.path[:0] = map(str, portable_ros().python_path)
         self._epoch = epoch
@@ -194,6 +196,7 @@ class _OwnWire(Wire, Generic[Result]):
         self._end: StopIteration | Exception | None = None
         self.question: Start | Run = next(conversation)[0]
         self._asked_at = 0.0, 0.0  # [s] of wall and of CPU time
+        self._told = 0.0  # [s]
 
     def receive(self) -> ToHost:
         """Return what the judge has said; who asks after the end is unwound."""
@@ -202,6 +205,9 @@ class _OwnWire(Wire, Generic[Result]):
         until = self.question.until if isinstance(self.question, Run) else 0
         self._host.stdout.limit = self._host.stderr.limit = until
         self._asked_at = real_clock.perf_counter(), real_clock.process_time()
+        if self._asked_at[0] > self._told + TELL_EVERY:
+            self._told = self._asked_at[0]
+            self._host.launcher.reached(until / 1e9)
         return self.question
 
     def send(self, frame: object) -> None:

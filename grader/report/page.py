@@ -16,7 +16,6 @@ import numpy as np
 from grader.report.facts import in_order
 from grader.report.foreign import readable
 from grader.report.replay import moments_of, replay_payload
-from grader.report.terminal import render_terminal
 
 if TYPE_CHECKING:
     from grader.recording import Recording
@@ -26,7 +25,6 @@ __all__ = [
     "json_text",
     "page_html",
     "page_payload",
-    "render_terminal",
     "replay_payload",
 ]
 

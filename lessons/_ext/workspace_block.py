@@ -1,0 +1,75 @@
+"""A block on some exercises' pages that opens their workspace, if the site is built with it.
+
+`make workspace` makes its files (workspace/build.py); without them the block says so.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+
+MADE = Path(__file__).resolve().parents[2] / "build" / "workspace"
+STATIC = "_static/workspace"
+EXERCISES = (
+    "obstacle_avoidance", "goal_seeking", "trend_memory", "safety_supervisor",
+)  # fmt: skip
+OFF = (
+    "The workspace is not running. It needs a browser with JavaScript, and the site has to come "
+    "from a web server: opened as a file it can't start. <code>python3 -m http.server</code> in "
+    "the site's folder is one."
+)
+LEFT_OUT = (
+    "This site was built without the workspace, in which the node can be written, driven and "
+    "checked in the browser (<code>make workspace</code>)."
+)
+
+
+def add_block(app: Sphinx, name: str, _template: str, page: dict[str, Any], _tree: object) -> None:
+    """Put the block below the heading of an exercise's page."""
+    parts = name.split("/")
+    if parts[0] != "exercises" or parts[-1] != "README" or parts[1] not in _known(app):
+        return
+    made = _made(app)
+    words = OFF if made else LEFT_OUT
+    block = (
+        f'<div class="workspace-block" data-exercise="{html.escape(parts[1])}">'
+        f'<p class="workspace-words">{words}</p><p class="workspace-open"></p></div>'
+    )
+    page["body"] = page["body"].replace("</h1>", f"</h1>{block}", 1)
+    if made:
+        app.add_css_file("workspace/workspace.css")
+        app.add_js_file("workspace/start.js", loading_method="defer")
+
+
+def _known(app: Sphinx) -> set[str]:
+    left_out = app.config.course_left_out.split(",")
+    return {name for name in EXERCISES if name not in left_out}
+
+
+def _made(app: Sphinx) -> bool:
+    return bool(app.config.course_workspace) and Path(app.config.course_workspace).is_dir()
+
+
+def copy_files(app: Sphinx, error: Exception | None) -> None:
+    """Lay the files beside the site's own."""
+    if error is None and _made(app):
+        source = Path(app.config.course_workspace)
+        target = Path(shutil.copytree(source, Path(app.outdir, STATIC), dirs_exist_ok=True))
+        plans = json.loads((target / "plan.json").read_text("utf-8"))
+        known = _known(app)  # no skeleton of one that is left out
+        plans["exercises"] = {k: v for k, v in plans["exercises"].items() if k in known}
+        (target / "plan.json").write_text(json.dumps(plans), "utf-8")
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Tell Sphinx."""
+    app.add_config_value("course_workspace", str(MADE), "env", [str])  # a folder; "" for none
+    app.connect("html-page-context", add_block)
+    app.connect("build-finished", copy_files)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

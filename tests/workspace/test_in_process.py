@@ -1,0 +1,68 @@
+"""The page's way of grading, in CPython, against the grader's own: verdicts and messages."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from grader.authoring.mutants import find_mutant
+from grader.course.exercises import find_exercise
+from grader.course.submission import find_submission
+from grader.grading.grading import grade_submission
+from grader.link.hosts import ForkServer
+from workspace.build import EXERCISES
+from workspace.plan import plan
+
+FORKED = Path(__file__).with_name("forked.py")
+TOLD = ("outcome", "message", "expected", "actual", "help", "time", "scenario", "where", "log")
+GRADED = [
+    pytest.param("4", None),
+    *(pytest.param(*case, marks=pytest.mark.long) for case in (
+        ("1", None), ("1", "narrow_cone"), ("3", None), ("4", "reliable_only"), ("7", None),
+    )),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "mutant"), GRADED)
+def test_the_page_judges_as_course_grade_does(
+    forkserver: ForkServer, tmp_path: Path, name: str, mutant: str | None
+) -> None:
+    exercise = find_exercise(name)
+    node = tmp_path / "node" / exercise.files[0]
+    node.parent.mkdir()
+    reference = exercise.solutions / node.name
+    node.write_text(find_mutant(exercise, mutant).text if mutant else reference.read_text("utf-8"))
+    expected = grade_submission(exercise, find_submission(node), forkserver, file=node.name)
+    order = {
+        "exercise": exercise.slug,
+        "file": str(node),
+        "others": list(exercise.files),
+        "scenarios": list(plan(exercise)["scenarios"]),
+    }
+    done = subprocess.run(
+        [sys.executable, FORKED, tmp_path], input=json.dumps(order), text=True, capture_output=True
+    )
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert _told(found["checks"]) == _told(expected.as_dict()["checks"])
+    assert found["cause"] == expected.as_dict()["cause"]
+    assert found["practice"]
+
+
+def _told(checks: list[dict[str, object]]) -> dict[object, dict[str, object]]:
+    return {check["id"]: {key: check[key] for key in TOLD} for check in checks}
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_the_plan_knows_every_core_check_and_what_it_needs(name: str) -> None:
+    exercise = find_exercise(name)
+    made = plan(exercise)
+    assert sum(check["points"] for check in made["checks"]) == exercise.max_points
+    assert all(check["scenarios"] for check in made["checks"])
+    assert {s for check in made["checks"] for s in check["scenarios"]} == set(made["scenarios"])
+
+

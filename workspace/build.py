@@ -1,0 +1,267 @@
+"""Build what the lesson's pages need to drive and grade nodes in a browser: `make workspace`.
+
+`python -m workspace.build OUT CACHE [PYTHON]` writes OUT, which `make site` takes along. Downloads
+go into CACHE: npm's packages by package-lock.json, and numpy by packages.toml. All are checked
+against their hashes; nothing of it is committed. PYTHON, of the page's version, compiles faster
+than the page's own does.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gzip
+import hashlib
+import io
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import tempfile
+import tomllib
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from grader.course.exercises import ROOT, find_exercise
+from grader.errors import GraderError, InputError
+from rclpy_portable import unpacking
+from sim.scenario_files import load_scenario, scenario_names
+from workspace.plan import plan
+
+HERE = Path(__file__).resolve().parent
+EXERCISES = ("1", "3", "4", "7")  # whose nodes need neither threads nor models
+MADE_IN = "/course"  # where the worker unpacks (web/worker.js)
+INFLATED = ("pyodide.asm.js", "pyodide.asm.wasm")  # by the worker: plain servers compress nothing
+WEB = ("start.js", "worker.js", "workspace.js", "workspace.css")
+# The rooms of the course that a page needs
+COURSE = re.compile(
+    r"sim/(?!live/)|rclpy_portable/|exercises/[^/]+/exercise\.toml$|workspace/(runtime|stand_ins/)"
+    r"|grader/(?!authoring|classroom|cli|drive|lms|nbgrader|notebook|testing"
+    r"|host/(sandbox|real_time|testing)/)"
+)
+FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")
+# What is run from its source, or quoted in a node's traceback
+SOURCES = r"^rclpy_portable/_ros/rclpy/|^grader/exercises/|^grader/host/supplied/"
+PACKAGES = (  # of .venv; without compiled parts
+    "_pytest", "iniconfig", "packaging", "pluggy", "pygments", "pytest", "rosbags", "ruamel",
+    "typing_extensions.py", "yaml",
+)  # fmt: skip
+LEXERS = re.compile(r"pygments/lexers/(?!__init__|_mapping|python|diff)")
+NOT_OF_NUMPY = re.compile(
+    r"/tests/|\.pyi$|/include/|/f2py/|/_pyinstaller/|/testing/|/distutils/|\.a$|/doc/|\.js$"
+    r"|\.dist-info/(?!METADATA)|_umath_tests|_rational_tests|_struct_ufunc|_operand_flag"
+)
+NOT_OF_PYTHON = re.compile(
+    r"^(ensurepip|idlelib|lib2to3|pydoc_data|sqlite3|test|tkinter|turtle|xmlrpc|mailbox|wsgiref|curses"
+    r"|dbm|encodings/(?!__init__|aliases|ascii|cp437|idna|latin_1|punycode|raw_unicode|unicode|utf_))"
+)
+EPOCH = (2020, 1, 1, 0, 0, 0)  # of files in archives: the same sources, the same bytes
+
+
+def main(arguments: list[str]) -> int:
+    """Build the folder OUT, all of it or nothing."""
+    if len(arguments) not in (2, 3):
+        raise InputError("expected what to make, a folder for downloads, and perhaps a Python")
+    out, cache = (Path(argument).resolve() for argument in arguments[:2])
+    modules = npm(cache)
+    with tempfile.TemporaryDirectory(dir=cache) as name:
+        made = Path(name, "made")
+        own = ["node", str(HERE / "compile.mjs"), str(modules / "pyodide")]
+        compiler = [arguments[2], str(HERE / "compile.py")] if arguments[2:] else own
+        build(made, modules, numpy_wheel(cache, modules), compiler)
+        shutil.rmtree(out, ignore_errors=True)
+        shutil.move(made, out)
+    sizes = json.loads((out / "manifest.json").read_text("utf-8"))
+    for file, about in sizes.items():
+        print(f"{about['bytes']:>12,}  {file}")
+    print(f"{sum(about['bytes'] for about in sizes.values()):>12,}  in all, in {out}")
+    return 0
+
+
+def npm(cache: Path) -> Path:
+    """Fetch npm's packages, as the lock file has them; return the folder of modules."""
+    folder = cache / "npm"
+    folder.mkdir(parents=True, exist_ok=True)
+    lock = (HERE / "package-lock.json").read_bytes()
+    done = folder / "installed"
+    if not done.is_file() or done.read_bytes() != lock:
+        for name in ("package.json", "package-lock.json"):
+            shutil.copyfile(HERE / name, folder / name)
+        _run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"], folder)
+        done.write_bytes(lock)
+    return folder / "node_modules"
+
+
+def numpy_wheel(cache: Path, modules: Path) -> Path:
+    """Return numpy's wheel, out of the cache or out of the package that carries it.
+
+    Raises
+    ------
+    GraderError
+        It is not the one that Pyodide was released with.
+    """
+    pin = tomllib.loads((HERE / "packages.toml").read_text("utf-8"))["numpy"]
+    official = json.loads((modules / "pyodide" / "pyodide-lock.json").read_text("utf-8"))
+    if official["packages"]["numpy"]["sha256"] != pin["sha256"]:
+        raise GraderError("packages.toml: expected the hash of numpy in Pyodide's own lock file")
+    wheel = cache / pin["file"]
+    if not wheel.is_file():
+        with tempfile.TemporaryDirectory() as name:
+            pip = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--dest", name]
+            _run([*pip, pin["carrier"]], Path(name))
+            with zipfile.ZipFile(next(Path(name).glob("*.whl"))) as carrier:
+                wheel.write_bytes(carrier.read(pin["member"]))
+    found = hashlib.sha256(wheel.read_bytes()).hexdigest()
+    if found != pin["sha256"]:
+        raise GraderError(f"{wheel}: expected SHA-256 {pin['sha256']}, got {found}; delete it")
+    return wheel
+
+
+def build(out: Path, modules: Path, wheel: Path, compiler: Sequence[str]) -> None:
+    """Write all files of the workspace."""
+    pyodide, compiled = out / "pyodide", partial(_compiled, compiler)
+    pyodide.mkdir(parents=True)
+    shutil.copyfile(modules / "pyodide" / "pyodide.js", pyodide / "pyodide.js")
+    for name in INFLATED:
+        content = (modules / "pyodide" / name).read_bytes()
+        (pyodide / f"{name}.pack").write_bytes(gzip.compress(content, mtime=0))
+    lock = json.loads((modules / "pyodide" / "pyodide-lock.json").read_text("utf-8"))
+    (pyodide / "pyodide-lock.json").write_text(json.dumps({"info": lock["info"], "packages": {}}))
+    library = _zipped(modules / "pyodide" / "python_stdlib.zip", NOT_OF_PYTHON)
+    with compiled(library, "/lib/python312.zip", "2") as folder:
+        _zip(pyodide / "python_stdlib.zip", folder)
+    with compiled({**_zipped(wheel, NOT_OF_NUMPY), **_packages()}, MADE_IN, "2") as folder:
+        _pack(out / "packages.pack", folder)
+    with compiled(_course(), MADE_IN, "0") as folder:
+        _pack(out / "course.pack", folder)
+    _run([str(modules / ".bin" / "esbuild"), "--bundle", "--minify", "--format=esm",
+          "--log-level=warning", f"--outfile={out / 'editor.js'}", str(HERE / "web" / "editor.js")],
+         HERE, NODE_PATH=str(modules))  # fmt: skip
+    for name in WEB:
+        shutil.copyfile(HERE / "web" / name, out / name)
+    (out / "plan.json").write_text(json.dumps(_plans()), "utf-8")
+    (out / "manifest.json").write_text(json.dumps(_manifest(out), indent=1), "utf-8")
+
+
+def _plans() -> dict[str, Any]:
+    """Return what the page knows of each exercise, by its slug, and the scenarios of demos."""
+    exercises = [find_exercise(name) for name in EXERCISES]
+    demos = {name: load_scenario(name).title for name, path in scenario_names().items()
+             if path.parent.name == "demo"}  # fmt: skip
+    skeleton = {
+        each.slug: {name: (each.folder / name).read_text("utf-8") for name in each.files}
+        for each in exercises
+    }
+    plans = {each.slug: {**plan(each), "skeleton": skeleton[each.slug]} for each in exercises}
+    return {"exercises": plans, "demos": demos}
+
+
+def _course() -> dict[str, bytes]:
+    unpacking.folder(print)
+    found = {}
+    for room in ("exercises", "grader", "rclpy_portable", "sim", "workspace"):
+        for path in sorted((ROOT / room).rglob("*")):
+            name = path.relative_to(ROOT).as_posix()
+            if path.is_file() and COURSE.match(name) and FILES.search(name):
+                found[name] = path.read_bytes()
+    return found
+
+
+def _packages() -> dict[str, bytes]:
+    site = Path(sysconfig.get_path("purelib"))
+    found = {}
+    for package in PACKAGES:
+        root = site / package
+        for path in [root] if root.is_file() else sorted(root.rglob("*.py")):
+            name = path.relative_to(site).as_posix()
+            if not LEXERS.match(name):
+                found[name] = path.read_bytes()
+    for name in ("pytest", "rosbags"):
+        path = next(site.glob(f"{name}-*.dist-info/METADATA"))
+        found[path.relative_to(site).as_posix()] = path.read_bytes()
+    return found
+
+
+def _zipped(file: Path, unwanted: re.Pattern[str]) -> dict[str, bytes]:
+    with zipfile.ZipFile(file) as archive:
+        names = [name for name in archive.namelist() if not name.endswith("/")]
+        return {name: archive.read(name) for name in names if not unwanted.search(name)}
+
+
+@contextlib.contextmanager
+def _compiled(
+    compiler: Sequence[str], files: Mapping[str, bytes], place: str, level: str
+) -> Iterator[Path]:
+    """Make a folder with files, their Python compiled for the place where they will lie."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file, content in files.items():
+            (folder / file).parent.mkdir(parents=True, exist_ok=True)
+            (folder / file).write_bytes(content)
+        _run([*compiler, name, place, SOURCES, level], HERE)
+        yield folder
+
+
+def _zip(target: Path, folder: Path) -> None:
+    with zipfile.ZipFile(target, "w") as archive:
+        for file in _files(folder):
+            about = zipfile.ZipInfo(file.relative_to(folder).as_posix(), EPOCH)
+            archive.writestr(about, file.read_bytes(), zipfile.ZIP_DEFLATED, 9)
+
+
+def _pack(target: Path, folder: Path) -> None:
+    """Write a compressed archive; a suffix of its own keeps servers from unpacking it, too."""
+    archive = io.BytesIO()
+    with tarfile.open(fileobj=archive, mode="w", format=tarfile.USTAR_FORMAT) as tar:
+        for file in _files(folder):
+            about = tarfile.TarInfo(file.relative_to(folder).as_posix())
+            about.size = file.stat().st_size
+            with file.open("rb") as content:
+                tar.addfile(about, content)
+    target.write_bytes(gzip.compress(archive.getvalue(), mtime=0))
+
+
+def _files(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.rglob("*") if path.is_file())
+
+
+def _manifest(out: Path) -> dict[str, Any]:
+    return {
+        path.relative_to(out).as_posix(): {
+            "bytes": path.stat().st_size,
+            "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
+        }
+        for path in _files(out)
+    }
+
+
+def _run(command: list[str], folder: Path, **variables: str) -> None:
+    """Run a program.
+
+    Raises
+    ------
+    GraderError
+        There is none of that name, or it failed; its last words are in the message.
+    """
+    try:
+        done = subprocess.run(
+            command, cwd=folder, env={**os.environ, **variables}, text=True, capture_output=True
+        )
+    except FileNotFoundError:
+        raise GraderError(f"{command[0]}: not found; the workspace needs node and npm") from None
+    if done.returncode:
+        said = (done.stderr + done.stdout).strip()[-2000:]
+        raise GraderError(f"{' '.join(command[:3])}: {said}")
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except (GraderError, InputError) as error:
+        sys.exit(f"workspace: {error}")

@@ -1,0 +1,40 @@
+// The editor, bundled by esbuild. Tab leaves it, as a keyboard user expects; Enter keeps the indent.
+import { basicSetup } from 'codemirror';
+import { python } from '@codemirror/lang-python';
+import { indentUnit, syntaxHighlighting } from '@codemirror/language';
+import { setDiagnostics } from '@codemirror/lint';
+import { EditorView, keymap } from '@codemirror/view';
+import { classHighlighter } from '@lezer/highlight';
+
+/** Return an editor: its text, and marks on lines. `keys` are shortcuts, by CodeMirror's names. */
+export function makeEditor({ parent, text, label, onChange, keys }) {
+  const view = new EditorView({
+    doc: text,
+    parent,
+    extensions: [
+      keymap.of(Object.entries(keys).map(([key, act]) => ({ key, run: () => { act(); return true; } }))),
+      basicSetup,
+      python(),
+      indentUnit.of('    '),
+      syntaxHighlighting(classHighlighter),
+      EditorView.contentAttributes.of({ 'aria-label': label }),
+      EditorView.updateListener.of((update) => { if (update.docChanged) onChange(); }),
+    ],
+  });
+  return {
+    get text() { return view.state.doc.toString(); },
+    set text(value) {
+      view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: value } });
+    },
+    mark(line, message) {
+      if (!line || line > view.state.doc.lines) {
+        view.dispatch(setDiagnostics(view.state, []));
+        return;
+      }
+      const { from, to } = view.state.doc.line(line);
+      view.dispatch(setDiagnostics(view.state, [{ from, to, severity: 'error', message }]));
+      view.dispatch({ effects: EditorView.scrollIntoView(from, { y: 'center' }) });
+    },
+    focus() { view.focus(); },
+  };
+}

@@ -1,0 +1,535 @@
+// The workspace of an exercise's page: an editor, the robot, and the grader's checks, all of them in
+// this browser. Python runs in worker.js; this file never waits for it.
+
+const HERE = new URL('.', import.meta.url);
+const FOLDER = '/home/reader'; // where the worker puts the node
+const PATIENCE = 10; // [s] without a word of the worker, after which the reader is asked
+const KEPT = 20; // versions
+const NOTHING_KEPT = 'This browser keeps nothing for this site: download your file before you leave the page.';
+const NO_MEMORY = 'The browser had no memory left. Close other tabs, then try again; what you typed is not lost.';
+const OUTCOMES = {
+  pass: '✓ passed', fail: '✗ failed', skip: '– not judged', error: '! the grader failed', inconclusive: '? undecided',
+  unavailable: '– not available',
+};
+
+/** Return an element: `on…` are listeners, other properties attributes; null children are left out. */
+function el(tag, properties = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
+    else if (value === true) element.setAttribute(name, '');
+    else if (value !== false && value !== null && value !== undefined) element.setAttribute(name, value);
+  }
+  element.append(...children.flat().filter((child) => child !== null && child !== undefined && child !== ''));
+  return element;
+}
+
+/** Say in a sentence why this page can't run Python; '' if it can. */
+function whyNot() {
+  if (!globalThis.WebAssembly) return 'The workspace needs WebAssembly, which is switched off in this browser.';
+  if (!globalThis.Worker || !globalThis.DecompressionStream) {
+    return 'The workspace needs a newer browser: Chrome or Edge 80, Firefox 113, Safari 16.4, or later.';
+  }
+  return '';
+}
+
+// --- what was typed ---------------------------------------------------------------------------------
+
+/** The reader's text and versions of it, kept by the browser; `works` is false where it keeps nothing. */
+class Shelf {
+  constructor(slug) {
+    this.key = `course-workspace:${slug}`;
+    this.works = true;
+    try {
+      this.kept = JSON.parse(localStorage.getItem(this.key)) || {};
+      this.save();
+    } catch {
+      this.works = false;
+      this.kept = {};
+    }
+  }
+
+  get text() { return typeof this.kept.text === 'string' ? this.kept.text : null; }
+
+  set text(text) {
+    this.kept.text = text;
+    this.save();
+  }
+
+  get versions() { return Array.isArray(this.kept.versions) ? this.kept.versions : []; }
+
+  add(text, points) {
+    const others = this.versions.filter((version) => version.text !== text);
+    this.kept.versions = [{ text, points, at: new Date().toISOString() }, ...others].slice(0, KEPT);
+    this.save();
+  }
+
+  save() {
+    if (!this.works) return;
+    try {
+      localStorage.setItem(this.key, JSON.stringify(this.kept));
+    } catch {
+      this.works = false; // full, or switched off meanwhile
+    }
+  }
+}
+
+// --- Python -----------------------------------------------------------------------------------------
+
+class Stopped extends Error {}
+
+/** The worker: one call at a time. `onnews` hears what it says, `onsilence` that it says nothing. */
+class Machine {
+  constructor({ onnews, onsilence }) {
+    this.onnews = onnews;
+    this.onsilence = onsilence;
+    this.worker = null;
+  }
+
+  /** Start a worker unless one is there, and wait until it is warm. */
+  ready() {
+    if (!this.worker) {
+      this.worker = new Worker(new URL('worker.js', HERE));
+      this.worker.onmessage = ({ data }) => this.hear(data);
+      this.worker.onerror = (event) => this.hear({ kind: 'error', text: event.message || 'the worker did not start' });
+      this.warm = this.send({ call: 'load' });
+      this.warm.catch(() => this.end());
+    }
+    return this.warm;
+  }
+
+  /** Call a method of workspace.runtime.Runtime in a fresh copy of the warm process. */
+  async call(call, order, files) {
+    await this.ready();
+    this.watch();
+    try {
+      return await this.send({ call, order, files });
+    } finally {
+      clearTimeout(this.dog);
+    }
+  }
+
+  send(message) {
+    return new Promise((resolve, reject) => {
+      this.waiting = { resolve, reject };
+      this.worker.postMessage(message);
+    });
+  }
+
+  hear(data) {
+    if (data.kind === 'answer') this.waiting.resolve(data.answer);
+    else if (data.kind === 'error') {
+      this.end();
+      this.waiting.reject(new Error(data.text));
+    } else {
+      this.onnews(data);
+      if (data.kind === 'reached') this.watch();
+    }
+  }
+
+  watch() {
+    clearTimeout(this.dog);
+    this.dog = setTimeout(() => this.onsilence(), PATIENCE * 1000);
+  }
+
+  /** Stop whatever runs; the next call starts anew. */
+  stop() {
+    if (!this.worker) return;
+    this.end();
+    this.waiting.reject(new Stopped());
+  }
+
+  end() {
+    clearTimeout(this.dog);
+    this.worker?.terminate();
+    this.worker = null;
+  }
+}
+
+// --- hints ------------------------------------------------------------------------------------------
+
+/** Read the exercise's page of hints: by task, the elements in their order. */
+async function readHints(url) {
+  const page = new DOMParser().parseFromString(await (await fetch(url)).text(), 'text/html');
+  const tasks = {};
+  for (const section of page.querySelectorAll('article section section')) {
+    const task = /(\d+)/.exec(section.querySelector('h2')?.textContent || '');
+    if (task) tasks[task[1]] = [...section.querySelectorAll('details')];
+  }
+  return tasks;
+}
+
+// --- the workspace ----------------------------------------------------------------------------------
+
+class Workspace {
+  constructor(plan, demos, place) {
+    this.plan = plan;
+    this.demos = demos;
+    this.place = place; // its block in the page
+    [this.file] = plan.files;
+    this.skeleton = plan.skeleton[this.file];
+    this.shelf = new Shelf(plan.slug);
+    this.machine = new Machine({ onnews: (news) => this.hear(news), onsilence: () => this.ask() });
+    this.busy = false;
+    this.rows = {};
+    this.build();
+  }
+
+  build() {
+    const { plan } = this;
+    this.status = el('p', { class: 'ws-status', role: 'status' });
+    this.question = el('div', { class: 'ws-question', hidden: true, role: 'alert' });
+    this.scenario = el('select', { id: 'ws-scenario' },
+      el('optgroup', { label: 'Scenarios of the checks' }, options(plan.scenarios)),
+      el('optgroup', { label: 'To try things' }, options(this.demos)));
+    this.seed = el('input', { id: 'ws-seed', type: 'number', min: 0, max: 1000000, placeholder: 'its own' });
+    const button = (text, act, more = {}) => el('button', { type: 'button', onclick: act, ...more }, text);
+    this.driveButton = button('Drive', () => this.drive(), { title: 'Ctrl-Enter', class: 'ws-main' });
+    this.checkButton = button('Check', () => this.check(), { title: 'Ctrl-Shift-Enter', class: 'ws-main' });
+    this.stopButton = button('Stop', () => this.machine.stop(), { hidden: true });
+    this.versions = el('select', { 'aria-label': 'Earlier versions', onchange: () => this.restore() });
+    this.code = el('div', { class: 'ws-code', 'data-pane': 'code' });
+    this.replay = el('div', { class: 'ws-replay', 'data-pane': 'replay' },
+      el('p', { class: 'ws-empty' }, 'Drive the node, or check it: its run is shown here.'));
+    this.score = el('p', { class: 'ws-score' }, `Practice: ${plan.points} points can be won here. `
+      + 'Your instructor’s grade comes from the real rclpy on Linux.');
+    this.list = el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)));
+    this.log = el('pre', { class: 'ws-log', hidden: true, tabindex: 0, 'aria-label': 'What Python said' });
+    const checks = el('div', { class: 'ws-checks', 'data-pane': 'checks' }, this.score, this.list, this.log);
+    this.tabs = ['code', 'replay', 'checks'].map((name) => button(name[0].toUpperCase() + name.slice(1),
+      () => this.show(name), { 'aria-pressed': name === 'code', 'data-name': name }));
+    this.dialog = el('dialog', { class: 'workspace', 'aria-label': `Workspace: exercise ${plan.number}, ${plan.title}`,
+      oncancel: (event) => this.cancel(event), 'data-show': 'code' },
+      el('header', {},
+        el('h2', {}, `${plan.number}. ${plan.title}`),
+        el('div', { class: 'ws-tools' },
+          this.driveButton,
+          el('label', { for: 'ws-scenario' }, 'in'), this.scenario,
+          el('label', { for: 'ws-seed' }, 'seed'), this.seed,
+          this.checkButton, this.stopButton),
+        el('div', { class: 'ws-tools ws-file' },
+          this.versions,
+          button('Reset', () => this.reset()),
+          button('Download', () => this.download(), { title: this.file }),
+          button('Close', () => this.dialog.close()))),
+      el('div', { class: 'ws-news' }, this.status, this.question),
+      el('nav', { class: 'ws-tabs', 'aria-label': 'Show' }, this.tabs),
+      el('div', { class: 'ws-panes' }, this.code, this.replay, checks));
+    document.body.append(this.dialog);
+    this.listVersions();
+    const reason = whyNot();
+    if (reason) this.driveButton.disabled = this.checkButton.disabled = true;
+    this.say(reason || (this.shelf.works ? '' : NOTHING_KEPT));
+    addEventListener('beforeunload', (event) => { if (!this.shelf.works && this.changed) event.preventDefault(); });
+  }
+
+  async open() {
+    this.dialog.showModal();
+    if (this.editor) return;
+    const text = this.shelf.text ?? this.skeleton;
+    const label = `Your node, ${this.file}. Tab leaves the editor.`;
+    const onChange = () => { this.changed = true; this.shelf.text = this.editor.text; };
+    const keys = { 'Ctrl-Enter': () => this.drive(), 'Ctrl-Shift-Enter': () => this.check() };
+    try {
+      const { makeEditor } = await import(new URL('editor.js', HERE));
+      this.editor = makeEditor({ parent: this.code, text, label, onChange, keys });
+    } catch {
+      this.editor = plainEditor(this.code, text, label, onChange);
+    }
+    if (!whyNot()) this.work(() => this.machine.ready(), 'Ready.');
+  }
+
+  // --- what is shown
+
+  say(text) { this.status.textContent = text; }
+
+  show(name) {
+    this.dialog.dataset.show = name;
+    this.tabs.forEach((tab) => tab.setAttribute('aria-pressed', tab.dataset.name === name));
+  }
+
+  hear({ kind, text, seconds }) {
+    if (kind === 'progress') this.say(text);
+    if (kind === 'out') {
+      this.log.hidden = false;
+      this.log.textContent = `${this.log.textContent}${text}\n`.slice(-20000);
+    }
+    if (kind === 'reached') {
+      this.question.hidden = true;
+      this.reached = seconds;
+      this.say(`${this.doing}: ${seconds.toFixed(1)} s driven`);
+    }
+  }
+
+  /** Python says nothing: whether to wait is the reader's choice. */
+  ask() {
+    const where = this.reached === null ? 'while it started' : `at ${this.reached.toFixed(1)} s of ${this.running}`;
+    this.question.replaceChildren(
+      el('span', {}, `Time has stood still for ${PATIENCE} s (${where}): the node computes, or a loop never ends. `),
+      el('button', { type: 'button', onclick: () => { this.question.hidden = true; this.machine.watch(); } }, 'Wait'),
+      el('button', { type: 'button', onclick: () => this.machine.stop() }, 'Stop it'));
+    this.question.hidden = false;
+  }
+
+  // --- what is done
+
+  /** Do what takes the worker's time, once at a time; say how it ended. */
+  async work(task, done) {
+    if (this.busy) return;
+    this.busy = true;
+    this.dialog.setAttribute('aria-busy', 'true');
+    this.driveButton.disabled = this.checkButton.disabled = true;
+    this.stopButton.hidden = false;
+    this.reached = null;
+    try {
+      const said = await task();
+      this.say(done || said);
+    } catch (error) {
+      const text = String(error.message || error);
+      if (error instanceof Stopped) this.say('Stopped.');
+      else if (/memory|allocation/i.test(text)) this.say(NO_MEMORY);
+      else this.say(`This went wrong in the page, not in your node: ${text.trim().split('\n').at(-1)}`);
+      if (!(error instanceof Stopped)) this.hear({ kind: 'out', text });
+    }
+    this.busy = false;
+    this.dialog.setAttribute('aria-busy', 'false');
+    this.driveButton.disabled = this.checkButton.disabled = Boolean(whyNot());
+    this.stopButton.hidden = this.question.hidden = true;
+  }
+
+  /** Run the node in a scenario; return how it ended. */
+  async run(scenario, more = {}) {
+    this.running = scenario;
+    this.reached = null;
+    const order = { file: `${FOLDER}/${this.file}`, others: this.plan.files, scenario, ...more };
+    const files = { [this.file]: this.editor.text };
+    let ended = JSON.parse(await this.machine.call('trial', order, files));
+    if (ended.lead) ended = JSON.parse(await this.machine.call('trial', { ...order, lead: ended.lead }, files));
+    return ended;
+  }
+
+  drive() {
+    const scenario = this.scenario.value;
+    const seed = this.seed.value === '' ? {} : { seed: Number(this.seed.value) };
+    this.editor.mark(0);
+    return this.work(async () => {
+      this.doing = `Driving in ${scenario}`;
+      this.say(`${this.doing} …`);
+      const ended = await this.run(scenario, seed);
+      await this.play([scenario], []);
+      this.show('replay');
+      return ended.kind === 'completed' ? `Driven to the end of ${scenario}.` : `${scenario} ended early: ${ended.text}`;
+    });
+  }
+
+  check() {
+    this.editor.mark(0);
+    Object.values(this.rows).forEach(({ fill }) => fill(null));
+    return this.work(async () => {
+      const { checks } = this.plan;
+      const text = this.editor.text;
+      const driven = [];
+      const wanted = [...new Set(checks.flatMap((check) => check.scenarios))];
+      let judged = 0;
+      while (judged < checks.length) {
+        for (const scenario of checks[judged].scenarios.filter((name) => !driven.includes(name))) {
+          this.doing = `Run ${driven.length + 1} of ${wanted.length}, ${scenario}`;
+          this.say(`${this.doing} …`);
+          await this.run(scenario, { interrupt: !driven.length });
+          driven.push(scenario);
+        }
+        let next = judged;
+        while (next < checks.length && checks[next].scenarios.every((name) => driven.includes(name))) next += 1;
+        if (next < checks.length) {
+          const only = checks.slice(judged, next).map(({ id }) => id);
+          this.fill(await this.judge(driven, only), only);
+        }
+        judged = next;
+      }
+      this.say('Judging …');
+      const grading = await this.judge(driven);
+      this.fill(grading, checks.map(({ id }) => id));
+      this.shelf.add(text, `${grading.score} of ${grading.max_score}`);
+      this.listVersions();
+      await this.tell(grading);
+      return `${grading.score} of ${grading.max_score} points.`;
+    });
+  }
+
+  async judge(scenarios, only = []) {
+    const order = { exercise: this.plan.slug, file: this.file, scenarios, only };
+    return JSON.parse(await this.machine.call('judge', order));
+  }
+
+  /** Show a grading as a whole, and the first failure where it happens. */
+  async tell(grading) {
+    this.grading = grading;
+    const { cause } = grading;
+    this.score.replaceChildren(
+      el('strong', {}, `${grading.score} of ${grading.max_score} points. `),
+      grading.cap ? `${grading.cap} ` : '',
+      ...(cause ? [el('br'), el('strong', {}, `Probably: ${cause.title}. `), cause.text || ''] : []),
+      ...grading.notes.map((note) => el('span', { class: 'ws-note' }, `${note} `)));
+    const first = grading.checks.find((check) => check.outcome === 'fail');
+    const scenario = first ? first.scenario : this.plan.checks.at(-1).scenarios[0];
+    if (scenario) await this.play([scenario], first ? [first] : []);
+    if (first) this.mark(first);
+    this.show('checks');
+  }
+
+  async play(scenarios, checks) {
+    const html = await this.machine.call('replay', { scenarios, checks, title: this.plan.title });
+    const frame = el('iframe', { title: `Replay of ${scenarios.join(', ')}`, sandbox: 'allow-scripts' });
+    frame.addEventListener('load', () => this.shade(frame));
+    frame.srcdoc = html;
+    this.replay.replaceChildren(frame);
+  }
+
+  /** Tell a replay whether the site is light or dark. */
+  shade(frame) { frame.contentWindow?.postMessage({ theme: document.body.dataset.theme }, '*'); }
+
+  /** Mark the line that was being run when a check failed. */
+  mark({ where, message }) {
+    const line = /line (\d+)|:(\d+)/.exec(where || '');
+    if (line) this.editor.mark(Number(line[1] || line[2]), message);
+  }
+
+  // --- the checks
+
+  row(check) {
+    const state = el('span', { class: 'ws-state' });
+    const detail = el('div', { class: 'ws-detail' });
+    const row = el('li', { 'data-check': check.id },
+      el('div', { class: 'ws-row' }, state, el('span', { class: 'ws-title' }, check.title),
+        el('span', { class: 'ws-points' }, `${check.points}`)), detail);
+    const fill = (result) => {
+      row.dataset.outcome = result ? result.outcome : '';
+      state.textContent = result ? OUTCOMES[result.outcome] : '';
+      detail.replaceChildren(...(result && result.outcome !== 'pass' ? this.details(result) : []));
+    };
+    this.rows[check.id] = { fill };
+    return row;
+  }
+
+  fill(grading, ids) {
+    for (const result of grading.checks) if (ids.includes(result.id)) this.rows[result.id].fill(result);
+  }
+
+  details(result) {
+    const line = (name, text) => (text ? el('p', {}, el('b', {}, `${name} `), text) : null);
+    const told = el('div', { class: 'ws-hints' });
+    const seen = result.scenario && result.outcome === 'fail';
+    return [
+      result.message ? el('p', {}, result.message) : null,
+      line('Expected:', result.expected), line('Got:', result.actual), line('', result.help),
+      result.where ? el('pre', {}, result.where) : null,
+      result.log ? el('pre', {}, result.log) : null,
+      el('div', { class: 'ws-tools' },
+        seen ? el('button', { type: 'button', onclick: () => this.look(result) },
+          result.time === null ? 'Show' : `Show ${result.time.toFixed(2)} s`) : null,
+        result.outcome === 'fail' && result.task ? el('button', { type: 'button',
+          onclick: (event) => this.hint(result, told, event.currentTarget) }, 'A hint') : null),
+      told,
+    ].filter(Boolean);
+  }
+
+  look(result) {
+    this.mark(result);
+    this.work(async () => {
+      await this.play([result.scenario], [result]);
+      this.show('replay');
+      return result.message;
+    });
+  }
+
+  /** Show the next hint of a check's task, beginning with the one for the check. */
+  async hint(result, told, button) {
+    try {
+      this.hints ??= await readHints(new URL('hints.html', location.href));
+    } catch {
+      told.append(el('p', {}, 'The hints can’t be read here; they have a page of their own.'));
+      return;
+    }
+    const [task, number] = (result.hint || `${result.task}.1`).split('.');
+    const all = this.hints[task] || [];
+    told.shown ??= Math.max(0, Number(number) - 1);
+    if (all[told.shown]) {
+      const shown = document.importNode(all[told.shown], true);
+      shown.open = true;
+      told.append(shown);
+      told.shown += 1;
+    }
+    button.textContent = all[told.shown] ? 'One hint more' : 'No more hints';
+    button.disabled = !all[told.shown];
+  }
+
+  // --- the file
+
+  listVersions() {
+    const { versions } = this.shelf;
+    this.versions.replaceChildren(el('option', { value: '' }, 'Versions'),
+      ...versions.map(({ at, points }, i) => el('option', { value: i }, `${new Date(at).toLocaleString()}: ${points}`)));
+    this.versions.disabled = !versions.length;
+  }
+
+  restore() {
+    const version = this.shelf.versions[Number(this.versions.value)];
+    if (this.versions.value !== '' && version) this.replace(version.text);
+    this.versions.value = '';
+  }
+
+  reset() { this.replace(this.skeleton); }
+
+  /** Put another text into the editor; what was there stays among the versions. */
+  replace(text) {
+    const before = this.editor.text;
+    if (before !== this.skeleton && before !== text) this.shelf.add(before, 'put aside');
+    this.editor.text = text;
+    this.listVersions();
+  }
+
+  download() {
+    const url = URL.createObjectURL(new Blob([this.editor.text], { type: 'text/x-python' }));
+    el('a', { href: url, download: this.file }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 1000);
+  }
+
+  /** Escape in the editor leaves the editor, not the workspace. */
+  cancel(event) {
+    if (!this.code.contains(document.activeElement)) return;
+    event.preventDefault();
+    this.driveButton.focus();
+  }
+}
+
+function options(titles) {
+  return Object.entries(titles).map(([name, title]) => el('option', { value: name }, `${name}: ${title}`));
+}
+
+/** A plain field, where the editor can't be had. */
+function plainEditor(parent, text, label, onChange) {
+  const area = el('textarea', { 'aria-label': label, spellcheck: 'false', autocapitalize: 'off', oninput: onChange });
+  area.value = text;
+  parent.append(area);
+  return {
+    get text() { return area.value; },
+    set text(value) { area.value = value; onChange(); },
+    mark() {},
+    focus() { area.focus(); },
+  };
+}
+
+// --- the block in the page --------------------------------------------------------------------------
+
+const place = document.querySelector('.workspace-block');
+if (place) {
+  const { exercises, demos } = await (await fetch(new URL('plan.json', HERE))).json();
+  const workspace = new Workspace(exercises[place.dataset.exercise], demos, place);
+  place.querySelector('.workspace-words').textContent = 'Write the node here, drive it and have it checked, in this '
+    + 'browser: nothing is installed, and nothing leaves this machine. The first visit fetches 11 MB.';
+  place.querySelector('.workspace-open').replaceChildren(
+    el('button', { type: 'button', class: 'ws-main', onclick: () => workspace.open() }, 'Open the workspace'));
+  document.body.dataset.workspace = 'ready';
+  new MutationObserver(() => document.querySelectorAll('.ws-replay iframe').forEach((f) => workspace.shade(f)))
+    .observe(document.body, { attributeFilter: ['data-theme'] });
+}
