@@ -43,16 +43,18 @@ WEB = ("start.js", "worker.js", "workspace.js", "workspace.css")
 COURSE = re.compile(
     r"sim/(?!live/)|rclpy_portable/|exercises/[^/]+/exercise\.toml$|workspace/(runtime|stand_ins/)"
     r"|grader/(?!authoring|classroom|cli|drive|lms|nbgrader|notebook|testing"
-    r"|host/(sandbox|real_time|testing)/)"
+    r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
 FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")
 # What is run from its source, or quoted in a node's traceback
 SOURCES = r"^rclpy_portable/_ros/rclpy/|^grader/exercises/|^grader/host/supplied/"
 PACKAGES = (  # of .venv; without compiled parts
-    "_pytest", "iniconfig", "packaging", "pluggy", "pygments", "pytest", "rosbags", "ruamel",
-    "typing_extensions.py", "yaml",
+    "_pytest", "iniconfig", "packaging", "pluggy", "pygments", "pytest", "rosbags", "yaml",
 )  # fmt: skip
-LEXERS = re.compile(r"pygments/lexers/(?!__init__|_mapping|python|diff)")
+NOT_OF_PACKAGES = re.compile(
+    r"pygments/lexers/(?!__init__|_mapping|python|diff)|rosbags/(convert|rosbag1|rosbag2)/"
+    r"|rosbags/typesys/stores/(?!__init__|ros2_jazzy)"
+)
 NOT_OF_NUMPY = re.compile(
     r"/tests/|\.pyi$|/include/|/f2py/|/_pyinstaller/|/testing/|/distutils/|\.a$|/doc/|\.js$"
     r"|\.dist-info/(?!METADATA)|_umath_tests|_rational_tests|_struct_ufunc|_operand_flag"
@@ -180,7 +182,7 @@ def _packages() -> dict[str, bytes]:
         root = site / package
         for path in [root] if root.is_file() else sorted(root.rglob("*.py")):
             name = path.relative_to(site).as_posix()
-            if not LEXERS.match(name):
+            if not NOT_OF_PACKAGES.match(name):
                 found[name] = path.read_bytes()
     for name in ("pytest", "rosbags"):
         path = next(site.glob(f"{name}-*.dist-info/METADATA"))
@@ -251,7 +253,12 @@ def _run(command: list[str], folder: Path, **variables: str) -> None:
     """
     try:
         done = subprocess.run(
-            command, cwd=folder, env={**os.environ, **variables}, text=True, capture_output=True
+            command,
+            cwd=folder,
+            env={**os.environ, **variables},
+            text=True,
+            capture_output=True,
+            check=False,
         )
     except FileNotFoundError:
         raise GraderError(f"{command[0]}: not found; the workspace needs node and npm") from None

@@ -10,6 +10,7 @@ import re
 import sys
 from pathlib import Path
 
+DOCUMENTED = re.compile("_?pyodide/")  # reads its own docstrings when it starts
 VERSION = (3, 12)  # of Pyodide's Python
 folder, place, keep, level = sys.argv[1:]
 if sys.version_info[:2] != VERSION:
@@ -19,6 +20,7 @@ for source in sorted(Path(folder).rglob("*.py")):
     stays = re.search(keep, name)
     target = importlib.util.cache_from_source(str(source)) if stays else f"{source}c"
     unchecked = py_compile.PycInvalidationMode.UNCHECKED_HASH
-    py_compile.compile(str(source), target, f"{place}/{name}", True, int(level), unchecked)
+    strip = 0 if DOCUMENTED.match(name) else int(level)
+    py_compile.compile(str(source), target, f"{place}/{name}", True, strip, unchecked)
     if not stays:
         source.unlink()

@@ -24,7 +24,7 @@ def cpu_limit(seconds: float) -> Iterator[None]:
         The block took longer; a person has to look at it.
     """
     if (
-        not hasattr(signal, "SIGVTALRM")  # as on Windows, or in a browser
+        not (hasattr(signal, "setitimer") and hasattr(signal, "SIGVTALRM"))
         or threading.current_thread() is not threading.main_thread()
     ):
         yield

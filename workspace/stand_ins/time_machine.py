@@ -17,14 +17,14 @@ class _Traveller:
     def start(self) -> "_Traveller":
         traveller, real = self, _datetime.datetime
 
-        class datetime(real):  # type: ignore[valid-type, misc]  # noqa: N801
+        class datetime(real):  # type: ignore[valid-type, misc]
             @classmethod
             def now(cls, tz: Any = None) -> Any:
                 return cls.fromtimestamp(traveller.time_ns() // 1000 / 1e6, tz)
 
             @classmethod
             def utcnow(cls) -> Any:
-                return cls.now(_datetime.timezone.utc).replace(tzinfo=None)
+                return cls.now(_datetime.UTC).replace(tzinfo=None)
 
             @classmethod
             def today(cls) -> Any:

@@ -46,7 +46,7 @@ class Struct:
 
     def __init_subclass__(cls, *, frozen: bool = False, **_: Any) -> None:
         super().__init_subclass__()
-        for name in cls.__dict__.get("__annotations__", {}):
+        for name in vars(cls).get("__annotations__", {}):
             default = cls.__dict__.get(name)
             if isinstance(default, list | dict | set):
                 setattr(cls, name, dataclasses.field(default_factory=default.copy))
@@ -128,7 +128,7 @@ def to_builtins(value: Any) -> Any:
     return value
 
 
-class json:  # noqa: N801  (a module of msgspec's)
+class json:
     """JSON."""
 
     @staticmethod

@@ -1,0 +1,1 @@
+"""Missing in a browser; imported, never called, in the page."""
