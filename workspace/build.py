@@ -49,7 +49,7 @@ FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")
 # What is run from its source, or quoted in a node's traceback
 SOURCES = r"^rclpy_portable/_ros/rclpy/|^grader/exercises/|^grader/host/supplied/"
 PACKAGES = (  # of .venv; without compiled parts
-    "_pytest", "iniconfig", "packaging", "pluggy", "pygments", "pytest", "rosbags", "yaml",
+    "_pytest", "iniconfig", "packaging", "pluggy", "py.py", "pygments", "pytest", "rosbags", "yaml",
 )  # fmt: skip
 NOT_OF_PACKAGES = re.compile(
     r"pygments/lexers/(?!__init__|_mapping|python|diff)|rosbags/(convert|rosbag1|rosbag2)/"

@@ -44,6 +44,9 @@ class Runtime:
         imports.host.watch()
         import _time_machine
 
+        import rclpy_portable
+
+        rclpy_portable.activate()
         from rclpy_portable.native import machine
 
         machine.use_clock(_time_machine.original_time_ns)

@@ -30,7 +30,6 @@ from grader.link.link import Conversation, Link, Result
 from grader.link.log import LogLine
 from grader.link.output import Output, in_order
 from grader.link.practice import PRACTICE
-from grader.link.ros_environment import portable_ros
 from grader.link.settings import NO_GPU, SAME_RUNS
 from grader.link.workplace import Workplace
 
@@ -56,7 +55,8 @@ class _Over(BaseException):
 class InProcess:
     """The launcher of one host in this process.
 
-    Making it puts virtual time under Python, for good, and imports what nodes need: make it once,
+    `rclpy_portable` is activated, and keeps the machine's clock for its stamps (see
+    `PORTABLE_PRELUDE`). Making it puts virtual time under Python, for good: make it once,
     before the process is copied. `reached` is told from time to time how far a trial has come [s].
     """
 
@@ -66,7 +66,6 @@ class InProcess:
     def __init__(self, epoch: int, reached: Callable[[float], object] = lambda _: None) -> None:
         self.reached = reached
         os.environ.update({**SAME_RUNS, **NO_GPU})  # rclpy reads some of it once
-        sys.path[:0] = map(str, portable_ros().python_path)
         self._epoch = epoch
         self._kernel = forkserver.prepare_nodes(epoch)
         inspect.getmodule(sys._getframe())  # as `forkserver.prepared` does
