@@ -10,7 +10,7 @@ import re
 import sys
 from pathlib import Path
 
-DOCUMENTED = re.compile("_?pyodide/")  # reads its own docstrings when it starts
+DOCUMENTED = re.compile("_?pyodide/|numpy/")  # read their own docstrings when they start
 VERSION = (3, 12)  # of Pyodide's Python
 folder, place, keep, level = sys.argv[1:]
 if sys.version_info[:2] != VERSION:
