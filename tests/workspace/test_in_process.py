@@ -20,7 +20,8 @@ from workspace.plan import plan
 FORKED = Path(__file__).with_name("forked.py")
 TOLD = ("outcome", "message", "expected", "actual", "help", "time", "scenario", "where", "log")
 GRADED = [
-    ("1", None), ("1", "narrow_cone"), ("3", None), ("4", None), ("4", "reliable_only"), ("7", None),
+    ("1", None), ("1", "narrow_cone"), ("3", None),
+    ("4", None), ("4", "reliable_only"), ("7", None),
 ]  # fmt: skip
 
 
