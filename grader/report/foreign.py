@@ -9,8 +9,6 @@ from __future__ import annotations
 import re
 import sys
 
-import click
-
 ESCAPES = re.compile(
     r"\x1b\][^\x07\x1b]*(?:\x07|\x1b\\)?"  # OSC: window titles, links
     r"|[\x1b\x9b]\[?[0-?]*[ -/]*[@-~]"  # CSI and two-character sequences
@@ -35,6 +33,8 @@ def readable(text: str) -> str:
 
 def echo(text: object = "", *, err: bool = False) -> None:
     """Print lines that may quote what others wrote."""
+    import click  # noqa: PLC0415  (the page's Python has none, and prints nothing)
+
     stream = sys.stderr if err else sys.stdout
     encoding = getattr(stream, "encoding", None) or "utf-8"
     click.echo(readable(str(text)).encode(encoding, "replace").decode(encoding), err=err)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
+    from sphinx.config import Config
 
 MADE = Path(__file__).resolve().parents[2] / "build" / "workspace"
 STATIC = "_static/workspace"
@@ -35,7 +36,7 @@ def add_block(app: Sphinx, name: str, _template: str, page: dict[str, Any], _tre
     parts = name.split("/")
     if parts[0] != "exercises" or parts[-1] != "README" or parts[1] not in _known(app):
         return
-    made = _made(app)
+    made = app.config.course_workspace_made
     words = OFF if made else LEFT_OUT
     block = (
         f'<div class="workspace-block" data-exercise="{html.escape(parts[1])}">'
@@ -52,13 +53,13 @@ def _known(app: Sphinx) -> set[str]:
     return {name for name in EXERCISES if name not in left_out}
 
 
-def _made(app: Sphinx) -> bool:
-    return bool(app.config.course_workspace) and Path(app.config.course_workspace).is_dir()
+def _made(config: Config) -> bool:
+    return bool(config.course_workspace) and Path(config.course_workspace).is_dir()
 
 
 def copy_files(app: Sphinx, error: Exception | None) -> None:
     """Lay the files beside the site's own."""
-    if error is None and _made(app):
+    if error is None and app.config.course_workspace_made:
         source = Path(app.config.course_workspace)
         target = Path(shutil.copytree(source, Path(app.outdir, STATIC), dirs_exist_ok=True))
         plans = json.loads((target / "plan.json").read_text("utf-8"))
@@ -70,6 +71,7 @@ def copy_files(app: Sphinx, error: Exception | None) -> None:
 def setup(app: Sphinx) -> dict[str, Any]:
     """Tell Sphinx."""
     app.add_config_value("course_workspace", str(MADE), "env", [str])  # a folder; "" for none
+    app.add_config_value("course_workspace_made", _made, "html", [bool])  # pages follow it
     app.connect("html-page-context", add_block)
     app.connect("build-finished", copy_files)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
