@@ -53,7 +53,7 @@ PACKAGES = (  # of .venv; without compiled parts
 )  # fmt: skip
 NOT_OF_PACKAGES = re.compile(
     r"pygments/lexers/(?!__init__|_mapping|python|diff)|rosbags/(convert|rosbag1|rosbag2)/"
-    r"|rosbags/typesys/stores/(?!__init__|ros2_jazzy)"
+    r"|rosbags/typesys/stores/(latest|ros1|ros2_(kilted|lyrical))"
 )
 NOT_OF_NUMPY = re.compile(
     r"/tests/|\.pyi$|/include/|/f2py/|/_pyinstaller/|/testing/|/distutils/|\.a$|/doc/|\.js$"
