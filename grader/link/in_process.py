@@ -85,8 +85,8 @@ class InProcess:
     def host(self, place: Path | Workplace) -> Iterator[Link]:
         """Be the host that works in a folder, once."""
         folder = place.folder if isinstance(place, Workplace) else place
-        with tempfile.TemporaryDirectory(prefix="course-printed-") as printed:
-            yield _OwnLink(_Host(self, folder, Path(printed)))
+        with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+            yield _OwnLink(_Host(self, folder, {1: out.fileno(), 2: err.fileno()}))
 
     def hold(self, conversation: Conversation[Result], host: _Host) -> Result:
         """Run the programs of a trial until it is over, or they are; return how it ended.
@@ -122,11 +122,11 @@ class _OwnLink(Link):
 class _Host:
     """What the judge asks of a host besides the conversation; a `Transport` that carries none."""
 
-    def __init__(self, launcher: InProcess, folder: Path, printed: Path) -> None:
+    def __init__(self, launcher: InProcess, folder: Path, files: dict[int, int]) -> None:
         self.launcher = launcher
         self.stdout, self.stderr = Output("stdout"), Output("stderr")
         self._folder = folder
-        self._files = {1: printed / "stdout", 2: printed / "stderr"}
+        self._files = files  # descriptors, by those that the node writes to
         self._outputs = {1: self.stdout, 2: self.stderr}
         self._taken = {1: 0, 2: 0}  # [bytes]
         self._status = 0
@@ -137,9 +137,7 @@ class _Host:
         before, leave, folder = {fd: os.dup(fd) for fd in self._files}, os._exit, Path.cwd()
         flush_output()
         for fd, file in self._files.items():
-            target = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
-            os.dup2(target, fd)
-            os.close(target)
+            os.dup2(file, fd)
         practice.enter(str(self._folder))
         os._exit = self._exit
         try:
@@ -151,6 +149,7 @@ class _Host:
             for fd, descriptor in before.items():
                 os.dup2(descriptor, fd)
                 os.close(descriptor)
+            self.read_output()
 
     def _exit(self, status: int = 0) -> NoReturn:
         self._status = status
@@ -166,15 +165,12 @@ class _Host:
     def read_output(self) -> None:
         """Take in what it has printed."""
         for fd, file in self._files.items():
-            with contextlib.suppress(FileNotFoundError), file.open("rb") as printed:
-                printed.seek(self._taken[fd])
-                data = printed.read()
-                self._taken[fd] += len(data)
-                self._outputs[fd].feed(data)
+            data = os.pread(file, os.fstat(file).st_size - self._taken[fd], self._taken[fd])
+            self._taken[fd] += len(data)
+            self._outputs[fd].feed(data)
 
     def log(self) -> tuple[LogLine, ...]:
-        """Return what it has printed so far, in order of time."""
-        self.read_output()
+        """Return what it had printed at its end, in order of time."""
         return in_order(self.stdout, self.stderr)
 
     def stacks(self) -> str:

@@ -44,8 +44,11 @@ class Meta:
 class Struct:
     """A dataclass, made by inheriting."""
 
-    def __init_subclass__(cls, *, frozen: bool = False, **_: Any) -> None:
+    def __init_subclass__(
+        cls, *, frozen: bool = False, rename: dict[str, str] | None = None, **_: Any
+    ) -> None:
         super().__init_subclass__()
+        cls.__renamed__ = {there: here for here, there in (rename or {}).items()}
         for name in vars(cls).get("__annotations__", {}):
             default = cls.__dict__.get(name)
             if isinstance(default, list | dict | set):
@@ -101,9 +104,10 @@ def _items(value: Any, origin: Any, arguments: tuple[Any, ...]) -> list[Any]:
 
 
 def _struct(value: dict[str, Any], kind: Any) -> Any:
-    hints = _hints(kind)
+    hints, renamed = _hints(kind), kind.__renamed__
     try:
-        return kind(**{name: convert(each, hints[name]) for name, each in value.items()})
+        here = {renamed.get(name, name): each for name, each in value.items()}
+        return kind(**{name: convert(each, hints[name]) for name, each in here.items()})
     except (KeyError, TypeError, ValueError) as error:
         raise ValidationError(str(error)) from error
 
