@@ -38,6 +38,7 @@ HERE = Path(__file__).resolve().parent
 EXERCISES = ("1", "3", "4", "7")  # whose nodes need neither threads nor models
 MADE_IN = "/course"  # where the worker unpacks (web/worker.js)
 INFLATED = ("pyodide.asm.js", "pyodide.asm.wasm")  # by the worker: plain servers compress nothing
+LIBRARY = "python_stdlib.zip"  # as well: its files are small, and make a smaller archive together
 WEB = ("start.js", "worker.js", "workspace.js", "workspace.css")
 # The rooms of the course that a page needs
 COURSE = re.compile(
@@ -61,7 +62,8 @@ NOT_OF_NUMPY = re.compile(
 )
 NOT_OF_PYTHON = re.compile(
     r"^(ensurepip|idlelib|lib2to3|pydoc_data|sqlite3|test|tkinter|turtle|xmlrpc|mailbox|wsgiref|curses"
-    r"|dbm|encodings/(?!__init__|aliases|ascii|cp437|idna|latin_1|punycode|raw_unicode|unicode|utf_))"
+    r"|(aifc|cgi|cgitb|ftplib|imaplib|modulefinder|nntplib|pipes|poplib|smtplib|sndhdr|sunau|telnetlib"
+    r"|pyclbr|venv|webbrowser|xdrlib|zipapp)\b|dbm|encodings/(?!__init__|aliases|ascii|cp437|idna|latin_1|punycode|raw_unicode|unicode|utf_))"
 )
 EPOCH = (2020, 1, 1, 0, 0, 0)  # of files in archives: the same sources, the same bytes
 
@@ -135,9 +137,10 @@ def build(out: Path, modules: Path, wheel: Path, compiler: Sequence[str]) -> Non
         (pyodide / f"{name}.pack").write_bytes(gzip.compress(content, mtime=0))
     lock = json.loads((modules / "pyodide" / "pyodide-lock.json").read_text("utf-8"))
     (pyodide / "pyodide-lock.json").write_text(json.dumps({"info": lock["info"], "packages": {}}))
-    library = _zipped(modules / "pyodide" / "python_stdlib.zip", NOT_OF_PYTHON)
+    library = _zipped(modules / "pyodide" / LIBRARY, NOT_OF_PYTHON)
     with compiled(library, "/lib/python312.zip", "2") as folder:
-        _zip(pyodide / "python_stdlib.zip", folder)
+        content = _stored(folder)
+    (pyodide / f"{LIBRARY}.pack").write_bytes(gzip.compress(content, mtime=0))
     with compiled({**_zipped(wheel, NOT_OF_NUMPY), **_packages()}, MADE_IN, "2") as folder:
         _pack(out / "packages.pack", folder)
     with compiled(_course(), MADE_IN, "0") as folder:
@@ -210,11 +213,14 @@ def _compiled(
         yield folder
 
 
-def _zip(target: Path, folder: Path) -> None:
-    with zipfile.ZipFile(target, "w") as archive:
+def _stored(folder: Path) -> bytes:
+    """Return a zip archive without compression."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
         for file in _files(folder):
             about = zipfile.ZipInfo(file.relative_to(folder).as_posix(), EPOCH)
-            archive.writestr(about, file.read_bytes(), zipfile.ZIP_DEFLATED, 9)
+            archive.writestr(about, file.read_bytes())
+    return content.getvalue()
 
 
 def _pack(target: Path, folder: Path) -> None:

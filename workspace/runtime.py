@@ -12,8 +12,9 @@ import json
 import pickle
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from grader.link.in_process import InProcess
     from grader.recording import Recording
 
+MOMENT = 1e-6  # [s]
 PATIENCE = 3600.0  # [s] of a trial: whether to wait is the reader's choice
 MESSAGES = ("numpy.random", "numpy.linalg", "numpy.fft")  # a node's first use would load them
 
@@ -36,6 +38,8 @@ class Runtime:
         self._recordings = recordings
         self._reached = reached
         self._launcher: InProcess
+        self._file = ""  # the node's name
+        self._lines: list[tuple[float, int]] = []  # [s] of a message, and its line
 
     def begin(self) -> None:
         """Import all that a trial, a judge or a replay needs; put virtual time under Python."""
@@ -65,6 +69,20 @@ class Runtime:
             __import__(name)
         typestore()
         self._launcher = InProcess(EPOCH_NS, self._reached)
+        self._note_lines()
+
+    def _note_lines(self) -> None:
+        """Note with each message of a node which line of its callback led to it."""
+        from rclpy_portable.native.endpoints import Publisher
+
+        send = Publisher.publish_raw
+
+        def noted(publisher: Any, data: bytes) -> None:
+            if line := _callback_line(sys._getframe(3), self._file):
+                self._lines.append((self._launcher.now, line))
+            send(publisher, data)
+
+        Publisher.publish_raw = noted  # type: ignore[method-assign]
 
     def trial(self, order: str) -> str:
         """Run a trial and keep its recording under the name of its scenario; say how it ended.
@@ -73,14 +91,17 @@ class Runtime:
         perhaps a `seed` and a `lead` [ns], and whether to `interrupt`. `{"lead": …}` in the answer:
         the same again in a fresh copy, with this lead.
         """
+        from grader.checks.wiring import lines_of
         from grader.course.submission import find_submission
         from grader.link.in_process import StartEarlier
+        from grader.recording.deaths import death_of
         from grader.trial.seeds import mixed_seed
         from grader.trial.virtual_time import Limits, run_trial
         from sim.scenario_files import load_scenario
 
         wanted = json.loads(order)
         scenario = load_scenario(wanted["scenario"])
+        self._file = Path(wanted["file"]).name
         try:
             recording = run_trial(
                 find_submission(Path(wanted["file"]), others=wanted["others"]),
@@ -93,17 +114,25 @@ class Runtime:
             )
         except StartEarlier as early:
             return json.dumps({"lead": early.lead})
-        self._place(scenario.name).write_bytes(pickle.dumps(recording))
+        self._place(scenario.name).write_bytes(pickle.dumps((recording, self._lines)))
         outcome = recording.outcome
-        return json.dumps({"kind": outcome.kind, "text": outcome.text, "at": outcome.at})
+        where = lines_of(death_of(outcome.detail))
+        return json.dumps({"kind": outcome.kind, "text": outcome.text, "where": where})
 
     def judge(self, order: str) -> str:
         """Judge the recordings of `scenarios`: return the JSON object of the grading.
 
-        The order names the `exercise`, the `file`, and perhaps the checks to judge (`only`).
+        The order names the `exercise`, the `file`, and perhaps the checks to judge (`only`). A
+        check that failed has the `line` of the last message that the node had sent by then.
         """
         wanted = json.loads(order)
-        return json.dumps(self._grading(wanted).as_dict(), default=str)
+        grading = self._grading(wanted).as_dict()
+        for check in grading["checks"]:
+            if check["outcome"] == "fail" and check["scenario"] and check["time"] is not None:
+                sent = self._load(check["scenario"])[1]
+                before = [line for time, line in sent if time <= check["time"] + MOMENT]
+                check["line"] = before[-1] if before else 0
+        return json.dumps(grading, default=str)
 
     def replay(self, order: str) -> str:
         """Return the page with the replays of `scenarios`, for a frame.
@@ -113,7 +142,7 @@ class Runtime:
         from grader.report.page import embedded_payload, page_html
 
         wanted = json.loads(order)
-        shown = self._load(wanted["scenarios"])
+        shown = [self._load(name)[0] for name in wanted["scenarios"]]
         return page_html(embedded_payload(wanted.get("checks", ()), shown, wanted["title"]))
 
     def _grading(self, wanted: dict[str, Any]) -> Grading:
@@ -123,18 +152,28 @@ class Runtime:
 
         return grade(
             find_exercise(wanted["exercise"]),
-            SavedTrials(self._load(wanted["scenarios"])),
+            SavedTrials([self._load(name)[0] for name in wanted["scenarios"]]),
             file=wanted["file"],
             only=wanted.get("only", ()),
             isolation=self._launcher.isolation,
             practice=self._launcher.practice,
         )
 
-    def _load(self, scenarios: Sequence[str]) -> list[Recording]:
-        return [pickle.loads(self._place(name).read_bytes()) for name in scenarios]
+    def _load(self, scenario: str) -> tuple[Recording, list[tuple[float, int]]]:
+        kept: tuple[Recording, list[tuple[float, int]]]
+        kept = pickle.loads(self._place(scenario).read_bytes())
+        return kept
 
     def _place(self, scenario: str) -> Path:
         return self._recordings / f"{scenario}.pickle"
+
+
+def _callback_line(frame: FrameType | None, file: str) -> int:
+    """Return the line of the node's outermost function on the way to a frame; 0 without any."""
+    line = 0
+    while frame is not None and frame.f_code.co_filename.endswith(f"/{file}"):
+        line, frame = frame.f_lineno, frame.f_back
+    return line
 
 
 def warm(recordings: str, reached: Callable[[float], object] = lambda _: None) -> Runtime:

@@ -73,6 +73,11 @@ class InProcess:
         self._used = False
 
     @property
+    def now(self) -> float:
+        """Where the node's time stands, since the scenario's start [s]."""
+        return self._kernel.now / 1e9
+
+    @property
     def workshop(self) -> NoReturn:
         """Refuse: there is no host for scripts."""
         raise GraderError("training scripts can't be run here; use the installed course")

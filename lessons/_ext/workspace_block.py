@@ -32,7 +32,11 @@ LEFT_OUT = (
 
 
 def add_block(app: Sphinx, name: str, _template: str, page: dict[str, Any], _tree: object) -> None:
-    """Put the block below the heading of an exercise's page."""
+    """Put the block below the heading of an exercise's page; let the front page lead there."""
+    if name == "index" and app.config.course_workspace_made:
+        start = 'href="exercises/obstacle_avoidance/README.html"'
+        page["body"] = page["body"].replace(start, f'{start[:-1]}#workspace"', 1)
+        return
     parts = name.split("/")
     if parts[0] != "exercises" or parts[-1] != "README" or parts[1] not in _known(app):
         return

@@ -25,8 +25,11 @@ async function load() {
   const packs = Promise.all(['packages.pack', 'course.pack'].map(bytes));
   importScripts('pyodide/pyodide.js', URL.createObjectURL(await (await inflated('pyodide/pyodide.asm.js', 'text/javascript')).blob()));
   const plainFetch = globalThis.fetch;
-  globalThis.fetch = (url, options) => (String(url).endsWith('pyodide.asm.wasm')
-    ? inflated('pyodide/pyodide.asm.wasm', 'application/wasm') : plainFetch(url, options));
+  const packed = { 'pyodide.asm.wasm': 'application/wasm', 'python_stdlib.zip': 'application/zip' };
+  globalThis.fetch = (url, options) => {
+    const name = String(url).split('/').at(-1);
+    return packed[name] ? inflated(`pyodide/${name}`, packed[name]) : plainFetch(url, options);
+  };
   python = await loadPyodide({
     indexURL: './pyodide/',
     stdout: (text) => postMessage({ kind: 'out', text }),

@@ -5,8 +5,10 @@ const HERE = new URL('.', import.meta.url);
 const FOLDER = '/home/reader'; // where the worker puts the node
 const PATIENCE = 10; // [s] without a word of the worker, after which the reader is asked
 const KEPT = 20; // versions
+const LONGEST = 8000; // [characters] of a link: longer ones are cut where they are passed on
 const NOTHING_KEPT = 'This browser keeps nothing for this site: download your file before you leave the page.';
 const NO_MEMORY = 'The browser had no memory left. Close other tabs, then try again; what you typed is not lost.';
+const BROKEN = 'The link to this page holds no code that can be read: it was cut on its way. Ask for the file instead.';
 const OUTCOMES = {
   pass: '✓ passed', fail: '✗ failed', skip: '– not judged', error: '! the grader failed', inconclusive: '? undecided',
   unavailable: '– not available',
@@ -31,6 +33,22 @@ function whyNot() {
     return 'The workspace needs a newer browser: Chrome or Edge 80, Firefox 113, Safari 16.4, or later.';
   }
   return '';
+}
+
+// --- code in a link ---------------------------------------------------------------------------------
+
+const through = async (bytes, stream) => new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());
+
+/** Return a text as it stands in a link. */
+async function packed(text) {
+  const bytes = await through(new TextEncoder().encode(text), new CompressionStream('deflate'));
+  return btoa(String.fromCharCode(...bytes)).replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '');
+}
+
+/** Return the text of a link; it throws if anything is amiss. */
+async function unpacked(code) {
+  const bytes = Uint8Array.from(atob(code.replaceAll('-', '+').replaceAll('_', '/')), (c) => c.charCodeAt(0));
+  return new TextDecoder('utf-8', { fatal: true }).decode(await through(bytes, new DecompressionStream('deflate')));
 }
 
 // --- what was typed ---------------------------------------------------------------------------------
@@ -199,7 +217,7 @@ class Workspace {
     this.tabs = ['code', 'replay', 'checks'].map((name) => button(name[0].toUpperCase() + name.slice(1),
       () => this.show(name), { 'aria-pressed': name === 'code', 'data-name': name }));
     this.dialog = el('dialog', { class: 'workspace', 'aria-label': `Workspace: exercise ${plan.number}, ${plan.title}`,
-      oncancel: (event) => this.cancel(event), 'data-show': 'code' },
+      oncancel: (event) => this.cancel(event), onclose: () => stand(''), 'data-show': 'code' },
       el('header', {},
         el('h2', {}, `${plan.number}. ${plan.title}`),
         el('div', { class: 'ws-tools' },
@@ -209,7 +227,8 @@ class Workspace {
           this.checkButton, this.stopButton),
         el('div', { class: 'ws-tools ws-file' },
           this.versions,
-          button('Reset', () => this.reset()),
+          button('Reset', () => this.reset(), { title: 'Begin with the skeleton again' }),
+          button('Link', () => this.share(), { title: 'A link that carries your code' }),
           button('Download', () => this.download(), { title: this.file }),
           button('Close', () => this.dialog.close()))),
       el('div', { class: 'ws-news' }, this.status, this.question),
@@ -217,15 +236,32 @@ class Workspace {
       el('div', { class: 'ws-panes' }, this.code, this.replay, checks));
     document.body.append(this.dialog);
     this.listVersions();
-    const reason = whyNot();
-    if (reason) this.driveButton.disabled = this.checkButton.disabled = true;
-    this.say(reason || (this.shelf.works ? '' : NOTHING_KEPT));
+    this.driveButton.disabled = this.checkButton.disabled = Boolean(whyNot());
     addEventListener('beforeunload', (event) => { if (!this.shelf.works && this.changed) event.preventDefault(); });
   }
 
-  async open() {
+  /** Show the workspace; `code` is what a link brought along. */
+  async open(code = null) {
     this.dialog.showModal();
-    if (this.editor) return;
+    stand('#workspace'); // a reload comes back here, and does not bring the link's code again
+    if (!this.editor) await this.makeEditor();
+    const said = code === null ? [] : [await this.take(code)];
+    if (!this.shelf.works) said.push(NOTHING_KEPT);
+    if (whyNot()) this.say([whyNot(), ...said].join(' '));
+    else this.work(() => this.machine.ready(), ['Ready.', ...said].join(' '));
+  }
+
+  /** Put a link's code into the editor; say what came of it. */
+  async take(code) {
+    try {
+      this.replace(await unpacked(code));
+    } catch {
+      return BROKEN;
+    }
+    return 'This is the code of the link; what was here before is among the versions.';
+  }
+
+  async makeEditor() {
     const text = this.shelf.text ?? this.skeleton;
     const label = `Your node, ${this.file}. Tab leaves the editor.`;
     const onChange = () => { this.changed = true; this.shelf.text = this.editor.text; };
@@ -236,7 +272,6 @@ class Workspace {
     } catch {
       this.editor = plainEditor(this.code, text, label, onChange);
     }
-    if (!whyNot()) this.work(() => this.machine.ready(), 'Ready.');
   }
 
   // --- what is shown
@@ -318,7 +353,9 @@ class Workspace {
       const ended = await this.run(scenario, seed);
       await this.play([scenario], []);
       this.show('replay');
-      return ended.kind === 'completed' ? `Driven to the end of ${scenario}.` : `${scenario} ended early: ${ended.text}`;
+      if (ended.kind === 'completed') return `Driven to the end of ${scenario}.`;
+      this.mark({ where: ended.where, message: ended.text });
+      return `${scenario} ended early: ${ended.text}`;
     });
   }
 
@@ -351,7 +388,7 @@ class Workspace {
       this.fill(grading, checks.map(({ id }) => id));
       this.shelf.add(text, `${grading.score} of ${grading.max_score}`);
       this.listVersions();
-      await this.tell(grading);
+      await this.tell(grading, driven.at(-1));
       return `${grading.score} of ${grading.max_score} points.`;
     });
   }
@@ -362,8 +399,7 @@ class Workspace {
   }
 
   /** Show a grading as a whole, and the first failure where it happens. */
-  async tell(grading) {
-    this.grading = grading;
+  async tell(grading, last) {
     const { cause } = grading;
     this.score.replaceChildren(
       el('strong', {}, `${grading.score} of ${grading.max_score} points. `),
@@ -371,7 +407,7 @@ class Workspace {
       ...(cause ? [el('br'), el('strong', {}, `Probably: ${cause.title}. `), cause.text || ''] : []),
       ...grading.notes.map((note) => el('span', { class: 'ws-note' }, `${note} `)));
     const first = grading.checks.find((check) => check.outcome === 'fail');
-    const scenario = first ? first.scenario : this.plan.checks.at(-1).scenarios[0];
+    const scenario = first ? first.scenario : last;
     if (scenario) await this.play([scenario], first ? [first] : []);
     if (first) this.mark(first);
     this.show('checks');
@@ -388,10 +424,11 @@ class Workspace {
   /** Tell a replay whether the site is light or dark. */
   shade(frame) { frame.contentWindow?.postMessage({ theme: document.body.dataset.theme }, '*'); }
 
-  /** Mark the line that was being run when a check failed. */
-  mark({ where, message }) {
-    const line = /line (\d+)|:(\d+)/.exec(where || '');
-    if (line) this.editor.mark(Number(line[1] || line[2]), message);
+  /** Mark the line that was being run when a check failed, or the one that led to the last message before. */
+  mark({ where, line, message }) {
+    const died = /line (\d+)/.exec(where || '');
+    if (died) this.editor.mark(Number(died[1]), message);
+    else this.editor.mark(line, `${message}. The last message before that came from this line.`);
   }
 
   // --- the checks
@@ -404,9 +441,10 @@ class Workspace {
         el('span', { class: 'ws-points' }, `${check.points}`)), detail);
     const fill = (result) => {
       row.dataset.outcome = result ? result.outcome : '';
-      state.textContent = result ? OUTCOMES[result.outcome] : '';
+      state.textContent = result ? OUTCOMES[result.outcome] : '○ open';
       detail.replaceChildren(...(result && result.outcome !== 'pass' ? this.details(result) : []));
     };
+    fill(null);
     this.rows[check.id] = { fill };
     return row;
   }
@@ -488,6 +526,22 @@ class Workspace {
     this.listVersions();
   }
 
+  /** Copy a link that carries the code; it goes to no server: browsers keep what follows a #. */
+  async share() {
+    const link = `${location.href.split('#')[0]}#code=${await packed(this.editor.text)}`;
+    if (link.length > LONGEST) {
+      this.say('Your code is too long for a link. Download the file, and send that.');
+      return;
+    }
+    try {
+      await navigator.clipboard.writeText(link);
+      this.say('Copied: a link that opens this page with your code.');
+    } catch { // only pages of https have the clipboard
+      history.replaceState(null, '', link);
+      this.say('The link that opens this page with your code stands in the address bar now.');
+    }
+  }
+
   download() {
     const url = URL.createObjectURL(new Blob([this.editor.text], { type: 'text/x-python' }));
     el('a', { href: url, download: this.file }).click();
@@ -501,6 +555,9 @@ class Workspace {
     this.driveButton.focus();
   }
 }
+
+/** Have what follows the # in the address bar. */
+function stand(hash) { history.replaceState(null, '', location.pathname + location.search + hash); }
 
 function options(titles) {
   return Object.entries(titles).map(([name, title]) => el('option', { value: name }, `${name}: ${title}`));
@@ -530,6 +587,12 @@ if (place) {
   place.querySelector('.workspace-open').replaceChildren(
     el('button', { type: 'button', class: 'ws-main', onclick: () => workspace.open() }, 'Open the workspace'));
   document.body.dataset.workspace = 'ready';
+  const asked = () => {
+    const code = /^#code=(.*)/.exec(location.hash);
+    if (code || location.hash === '#workspace') workspace.open(code && code[1]);
+  };
+  addEventListener('hashchange', asked);
+  asked();
   new MutationObserver(() => document.querySelectorAll('.ws-replay iframe').forEach((f) => workspace.shade(f)))
     .observe(document.body, { attributeFilter: ['data-theme'] });
 }
