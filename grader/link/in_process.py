@@ -28,7 +28,7 @@ from grader.link import real_clock
 from grader.link.exchange import Cost, HostDied
 from grader.link.link import Conversation, Link, Result
 from grader.link.log import LogLine
-from grader.link.output import Output, in_order
+from grader.link.output import MAX_OUTPUT, Output, in_order
 from grader.link.practice import PRACTICE
 from grader.link.settings import NO_GPU, SAME_RUNS
 from grader.link.workplace import Workplace
@@ -170,9 +170,9 @@ class _Host:
     def read_output(self) -> None:
         """Take in what it has printed."""
         for fd, file in self._files.items():
-            data = os.pread(file, os.fstat(file).st_size - self._taken[fd], self._taken[fd])
-            self._taken[fd] += len(data)
-            self._outputs[fd].feed(data)
+            while data := os.pread(file, MAX_OUTPUT, self._taken[fd]):
+                self._taken[fd] += len(data)
+                self._outputs[fd].feed(data)
 
     def log(self) -> tuple[LogLine, ...]:
         """Return what it had printed at its end, in order of time."""

@@ -10,7 +10,7 @@ import functools
 import http.server
 import shutil
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +25,14 @@ from grader.link.hosts import ForkServer
 MADE = ROOT / "build" / "workspace" / "manifest.json"
 ARGUMENTS = ["--no-sandbox", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"]
 SLOW = 1_200_000  # [ms] for all of a busy machine's trials
-TYPED = [
-    ("obstacle_avoidance", None),
-    ("obstacle_avoidance", "narrow_cone"),
-    ("trend_memory", None),
-]
+TYPED = {  # in each exercise, after the reference
+    "obstacle_avoidance": ("narrow_cone", "dies_of_an_empty_scan", "reliable_only"),
+    "goal_seeking": ("yaw_in_degrees", "ignores_without_a_word", "no_wrap"),
+    "trend_memory": ("whole_circle", "dies_of_equal_stamps", "time_of_arrival"),
+    "safety_supervisor": ("raises_on_nan", "no_obstacle", "silent_when_stale"),
+}
+SLUG = "obstacle_avoidance"
+NO_STORAGE = "Object.defineProperty(window, 'localStorage', { get() { throw new Error('no') } })"
 MEASURED = ("callback_time",)  # by the wall clock: a busy machine shows in it
 DRIVE_ON = "import time\n\nwhile True:\n    pass\n"
 
@@ -74,13 +77,15 @@ def open_workspace(chromium: Any, address: str) -> Iterator[Any]:
     asked: list[str] = []
     contexts = []
 
-    def open_(slug: str, **options: Any) -> Any:
-        context = chromium.new_context(viewport={"width": 1280, "height": 800}, **options)
+    def open_(hash_: str = "#workspace", slug: str = SLUG, script: str = "", **options: Any) -> Any:
+        settings = {"viewport": {"width": 1280, "height": 800}, "reduced_motion": "reduce"}
+        context = chromium.new_context(**settings | options)
         contexts.append(context)
+        context.add_init_script(script)
         page = context.new_page()
         page.on("request", lambda request: asked.append(request.url))
-        page.goto(f"{address}/exercises/{slug}/README.html")
-        enter(page)
+        page.goto(f"{address}/exercises/{slug}/README.html{hash_}")
+        page.locator(".cm-content").wait_for()
         return page
 
     yield open_
@@ -88,11 +93,6 @@ def open_workspace(chromium: Any, address: str) -> Iterator[Any]:
         context.close()
     ours = (address, "blob:", "data:", "about:")
     assert [url for url in asked if not url.startswith(ours)] == []
-
-
-def enter(page: Any) -> None:
-    page.get_by_role("button", name="Open the workspace").click()
-    page.locator(".cm-content").wait_for()
 
 
 def type_in(page: Any, text: str) -> None:
@@ -107,40 +107,125 @@ def settle(page: Any) -> str:
     return str(page.locator(".ws-status").inner_text())
 
 
-@pytest.mark.parametrize(("slug", "mutant"), TYPED)
-def test_a_node_that_is_typed_in_gets_the_verdicts_of_course_grade(
-    open_workspace: Any, forkserver: ForkServer, tmp_path: Path, slug: str, mutant: str | None
+def check(page: Any, text: str) -> str:
+    settle(page)
+    type_in(page, text)
+    page.keyboard.press("Control+Shift+Enter")
+    return settle(page)
+
+
+def typed(page: Any) -> str:
+    return str(page.evaluate("document.querySelector('.cm-content').innerText"))
+
+
+@pytest.mark.parametrize("slug", TYPED)
+def test_nodes_that_are_typed_in_get_the_verdicts_of_course_grade(
+    open_workspace: Any, forkserver: ForkServer, tmp_path: Path, slug: str
 ) -> None:
     exercise = find_exercise(slug)
     file = tmp_path / exercise.files[0]
-    reference = exercise.solutions / exercise.files[0]
-    file.write_text(find_mutant(exercise, mutant).text if mutant else reference.read_text("utf-8"))
-    expected = grade_submission(exercise, find_submission(file), forkserver, file=file.name)
-    page = open_workspace(slug)
-    settle(page)
-    type_in(page, file.read_text("utf-8"))
-    page.get_by_role("button", name="Check").click()
-    said = settle(page)
-    rows = page.locator(".ws-list li").evaluate_all(
-        "(all) => all.map((row) => [row.dataset.check, row.dataset.outcome,"
-        " row.querySelector('.ws-detail p')?.textContent || ''])"
-    )
-    found = {name: (outcome, text) for name, outcome, text in rows if name not in MEASURED}
-    wanted = {c.id: (c.outcome, c.message) for c in expected.checks if c.id not in MEASURED}
-    assert found == wanted
-    assert "points" in said
+    page = open_workspace(slug=slug)
+    for mutant in (None, *TYPED[slug]):
+        reference = exercise.solutions / file.name
+        file.write_text(find_mutant(exercise, mutant).text if mutant else reference.read_text())
+        expected = grade_submission(exercise, find_submission(file), forkserver, file=file.name)
+        assert "points" in check(page, file.read_text())
+        rows = page.locator(".ws-list li").evaluate_all(
+            "(all) => all.map((row) => [row.dataset.check, row.dataset.outcome,"
+            " row.querySelector('.ws-detail p')?.textContent || ''])"
+        )
+        found = {name: (outcome, text) for name, outcome, text in rows if name not in MEASURED}
+        wanted = {c.id: (c.outcome, c.message) for c in expected.checks if c.id not in MEASURED}
+        assert found == wanted, mutant
+        cause = expected.as_dict()["cause"]
+        assert (cause or {"title": "points"})["title"] in page.locator(".ws-score").inner_text()
+
+
+def test_the_first_failure_is_shown_where_it_happens(open_workspace: Any) -> None:
+    page = open_workspace()
+    reference = find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py"
+    text = reference.read_text()
+    assert text.count("twist.linear.x = speed") == 1
+    check(page, text.replace("twist.linear.x = speed", "twist.linear.x = speed + 0.3"))
+    button = page.locator("li[data-outcome=fail] button").first
+    moment = button.inner_text().removeprefix("Show ").removesuffix(" s")
     replay = page.frame_locator(".ws-replay iframe")
-    assert replay.locator("canvas").count() > 0
+    assert replay.locator(".clock").inner_text().startswith(moment)
+    marked = page.locator(".cm-lintRange-error").inner_text()
+    assert marked.strip().startswith("self.drive(")
+    page.locator("li[data-outcome=fail] button", has_text="A hint").first.click()
+    page.locator(".ws-hints details p").first.wait_for()
 
 
-def test_what_was_typed_survives_a_reload_and_a_stop(open_workspace: Any) -> None:
-    page = open_workspace("obstacle_avoidance")
+def test_what_was_typed_survives_a_stop_and_a_reload(open_workspace: Any) -> None:
+    page = open_workspace()
     settle(page)
     type_in(page, DRIVE_ON)
-    page.get_by_role("button", name="Drive").click()
-    page.get_by_role("button", name="Stop it").wait_for(timeout=SLOW)
-    page.get_by_role("button", name="Stop it").click()
+    page.keyboard.press("Control+Enter")
+    page.get_by_role("button", name="Stop it").click(timeout=SLOW)
     assert settle(page) == "Stopped."
     page.reload()
-    enter(page)
-    assert "while True" in page.locator(".cm-content").inner_text()
+    page.locator(".cm-content").wait_for()
+    assert "while True" in typed(page)
+
+
+def test_a_link_carries_the_code_and_puts_aside_what_was_there(open_workspace: Any) -> None:
+    page = open_workspace(permissions=["clipboard-read", "clipboard-write"])
+    type_in(page, "# über alles\n")
+    page.get_by_role("button", name="Link").click()
+    page.locator(".ws-status", has_text="Copied").wait_for()
+    link = page.evaluate("navigator.clipboard.readText()")
+    type_in(page, "# mine\n")
+    page.goto(link)
+    page.reload()
+    page.locator(".cm-line", has_text="über alles").wait_for()
+    assert "code=" not in page.url
+    page.get_by_label("Earlier versions").select_option(index=1)
+    assert "# mine" in typed(page)
+
+
+@pytest.mark.parametrize(
+    ("hash_", "script", "said"),
+    [
+        ("#code=eJwDAAAA", "", "cut on its way"),
+        ("#workspace", "delete globalThis.WebAssembly", "needs WebAssembly"),
+        ("#workspace", "delete globalThis.DecompressionStream", "needs a newer browser"),
+        ("#workspace", NO_STORAGE, "keeps nothing"),
+    ],
+)
+def test_what_is_missing_is_said_in_a_sentence_and_one_can_type(
+    open_workspace: Any, hash_: str, script: str, said: str
+) -> None:
+    page = open_workspace(hash_, script=script)
+    page.locator(".ws-status", has_text=said).wait_for(timeout=SLOW)
+    type_in(page, "# mine")
+    assert typed(page).strip() == "# mine"
+
+
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1280), ("dark", 1280), ("light", 390)])
+def test_axe_has_nothing_against_a_failing_workspace(
+    open_workspace: Any, axe: Callable[[Any], list[str]], scheme: str, width: int
+) -> None:
+    page = open_workspace(color_scheme=scheme, viewport={"width": width, "height": 800})
+    check(page, "import nothing_of_that_name\n")
+    assert axe(page) == []
+
+
+def test_the_keyboard_gets_into_the_editor_and_out_again(open_workspace: Any) -> None:
+    page = open_workspace()
+    page.locator(".cm-content").focus()
+    page.keyboard.press("Tab")
+    assert not page.evaluate("document.activeElement.matches('.cm-content')")
+    page.keyboard.press("Shift+Tab")
+    assert page.evaluate("document.activeElement.matches('.cm-content')")
+    page.keyboard.press("Escape")
+    assert page.evaluate("document.activeElement.textContent") == "Drive"
+    page.keyboard.press("Escape")
+    assert not page.locator("dialog.workspace").is_visible()
+
+
+def test_the_front_page_leads_into_the_workspace(chromium: Any, address: str) -> None:
+    page = chromium.new_page()
+    page.goto(f"{address}/index.html")
+    page.locator(".start a").first.click()
+    page.locator("dialog.workspace .cm-content").wait_for()
