@@ -388,7 +388,7 @@ class Workspace {
       this.fill(grading, checks.map(({ id }) => id));
       this.shelf.add(text, `${grading.score} of ${grading.max_score}`);
       this.listVersions();
-      await this.tell(grading, driven.at(-1));
+      await this.tell(grading, driven);
       return `${grading.score} of ${grading.max_score} points.`;
     });
   }
@@ -398,8 +398,8 @@ class Workspace {
     return JSON.parse(await this.machine.call('judge', order));
   }
 
-  /** Show a grading as a whole, and the first failure where it happens. */
-  async tell(grading, last) {
+  /** Show a grading as a whole, and the first failure where it happens; all runs if nothing failed. */
+  async tell(grading, driven) {
     const { cause } = grading;
     this.score.replaceChildren(
       el('strong', {}, `${grading.score} of ${grading.max_score} points. `),
@@ -407,15 +407,15 @@ class Workspace {
       ...(cause ? [el('br'), el('strong', {}, `Probably: ${cause.title}. `), cause.text || ''] : []),
       ...grading.notes.map((note) => el('span', { class: 'ws-note' }, `${note} `)));
     const first = grading.checks.find((check) => check.outcome === 'fail');
-    const scenario = first ? first.scenario : last;
-    if (scenario) await this.play([scenario], first ? [first] : []);
+    if (!first) await this.play(driven, grading.checks);
+    else if (first.scenario) await this.play([first.scenario], [first]);
     if (first) this.mark(first);
     this.show('checks');
   }
 
   async play(scenarios, checks) {
     const html = await this.machine.call('replay', { scenarios, checks, title: this.plan.title });
-    const frame = el('iframe', { title: `Replay of ${scenarios.join(', ')}`, sandbox: 'allow-scripts' });
+    const frame = el('iframe', { title: 'Replay', sandbox: 'allow-scripts' });
     frame.addEventListener('load', () => this.shade(frame));
     frame.srcdoc = html;
     this.replay.replaceChildren(frame);
