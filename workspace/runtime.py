@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from grader.recording import Recording
 
 MOMENT = 1e-6  # [s]
+WAY = 4  # frames from there to a node: rclpy_portable, rclpy, and how discovery looks in
 PATIENCE = 3600.0  # [s] of a trial: whether to wait is the reader's choice
 MESSAGES = ("numpy.random", "numpy.linalg", "numpy.fft")  # a node's first use would load them
 
@@ -78,7 +79,7 @@ class Runtime:
         send = Publisher.publish_raw
 
         def noted(publisher: Any, data: bytes) -> None:
-            if line := _callback_line(sys._getframe(3), self._file):
+            if line := _callback_line(sys._getframe(WAY), self._file):
                 self._lines.append((self._launcher.now, line))
             send(publisher, data)
 

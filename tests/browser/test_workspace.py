@@ -138,7 +138,7 @@ def test_nodes_that_are_typed_in_get_the_verdicts_of_course_grade(
         wanted = {c.id: (c.outcome, c.message) for c in expected.checks if c.id not in MEASURED}
         assert found == wanted, mutant
         cause = expected.as_dict()["cause"]
-        assert (cause or {"title": "points"})["title"] in page.locator(".ws-score").inner_text()
+        assert (cause or {"text": "points"})["text"] in page.locator(".ws-score").inner_text()
 
 
 def test_the_first_failure_is_shown_where_it_happens(open_workspace: Any) -> None:

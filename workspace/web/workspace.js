@@ -197,7 +197,7 @@ class Workspace {
     const { plan } = this;
     this.status = el('p', { class: 'ws-status', role: 'status' });
     this.question = el('div', { class: 'ws-question', hidden: true, role: 'alert' });
-    this.scenario = el('select', { id: 'ws-scenario' },
+    this.scenario = el('select', { id: 'ws-scenario', 'aria-label': 'Scenario' },
       el('optgroup', { label: 'Scenarios of the checks' }, options(plan.scenarios)),
       el('optgroup', { label: 'To try things' }, options(this.demos)));
     this.seed = el('input', { id: 'ws-seed', type: 'number', min: 0, max: 1000000, placeholder: 'its own' });
@@ -209,7 +209,7 @@ class Workspace {
     this.code = el('div', { class: 'ws-code', 'data-pane': 'code' });
     this.replay = el('div', { class: 'ws-replay', 'data-pane': 'replay' },
       el('p', { class: 'ws-empty' }, 'Drive the node, or check it: its run is shown here.'));
-    this.score = el('p', { class: 'ws-score' }, `Practice: ${plan.points} points can be won here. `
+    this.score = el('div', { class: 'ws-score' }, `Practice: ${plan.points} points can be won here. `
       + 'Your instructor’s grade comes from the real rclpy on Linux.');
     this.list = el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)));
     this.log = el('pre', { class: 'ws-log', hidden: true, tabindex: 0, 'aria-label': 'What Python said' });
@@ -223,14 +223,14 @@ class Workspace {
         el('div', { class: 'ws-tools' },
           this.driveButton,
           el('label', { for: 'ws-scenario' }, 'in'), this.scenario,
-          el('label', { for: 'ws-seed' }, 'seed'), this.seed,
+          el('label', { for: 'ws-seed', class: 'ws-seed' }, 'seed', this.seed),
           this.checkButton, this.stopButton),
         el('div', { class: 'ws-tools ws-file' },
           this.versions,
           button('Reset', () => this.reset(), { title: 'Begin with the skeleton again' }),
           button('Link', () => this.share(), { title: 'A link that carries your code' }),
-          button('Download', () => this.download(), { title: this.file }),
-          button('Close', () => this.dialog.close()))),
+          button('Download', () => this.download(), { title: this.file })),
+        button('Close', () => this.dialog.close(), { class: 'ws-close' })),
       el('div', { class: 'ws-news' }, this.status, this.question),
       el('nav', { class: 'ws-tabs', 'aria-label': 'Show' }, this.tabs),
       el('div', { class: 'ws-panes' }, this.code, this.replay, checks));
@@ -403,9 +403,9 @@ class Workspace {
     const { cause } = grading;
     this.score.replaceChildren(
       el('strong', {}, `${grading.score} of ${grading.max_score} points. `),
-      grading.cap ? `${grading.cap} ` : '',
-      ...(cause ? [el('br'), el('strong', {}, `Probably: ${cause.title}. `), cause.text || ''] : []),
-      ...grading.notes.map((note) => el('span', { class: 'ws-note' }, `${note} `)));
+      grading.cap ? `${grading.cap} ` : '', el('span', { class: 'ws-note' }, grading.notes.join(' ')),
+      cause ? el('p', { class: 'ws-cause' }, el('strong', {}, 'What these failures have in common: '), cause.text,
+        cause.where ? el('pre', {}, cause.where) : null) : '');
     const first = grading.checks.find((check) => check.outcome === 'fail');
     if (!first) await this.play(driven, grading.checks);
     else if (first.scenario) await this.play([first.scenario], [first]);
@@ -428,7 +428,7 @@ class Workspace {
   mark({ where, line, message }) {
     const died = /line (\d+)/.exec(where || '');
     if (died) this.editor.mark(Number(died[1]), message);
-    else this.editor.mark(line, `${message}. The last message before that came from this line.`);
+    else this.editor.mark(line || 0, `${message}. The last message before that came from this line.`);
   }
 
   // --- the checks
