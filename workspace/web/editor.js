@@ -2,7 +2,7 @@
 import { basicSetup } from 'codemirror';
 import { python } from '@codemirror/lang-python';
 import { indentUnit, syntaxHighlighting } from '@codemirror/language';
-import { setDiagnostics } from '@codemirror/lint';
+import { lintGutter, setDiagnostics } from '@codemirror/lint';
 import { EditorView, keymap } from '@codemirror/view';
 import { classHighlighter } from '@lezer/highlight';
 
@@ -15,6 +15,7 @@ export function makeEditor({ parent, text, label, onChange, keys }) {
       keymap.of(Object.entries(keys).map(([key, act]) => ({ key, run: () => { act(); return true; } }))),
       basicSetup,
       python(),
+      lintGutter(),
       indentUnit.of('    '),
       syntaxHighlighting(classHighlighter),
       EditorView.contentAttributes.of({ 'aria-label': label }),
@@ -31,7 +32,8 @@ export function makeEditor({ parent, text, label, onChange, keys }) {
         view.dispatch(setDiagnostics(view.state, []));
         return;
       }
-      const { from, to } = view.state.doc.line(line);
+      const { from: start, to, text: code } = view.state.doc.line(line);
+      const from = start + code.search(/\S|$/);
       view.dispatch(setDiagnostics(view.state, [{ from, to, severity: 'error', message }]));
       view.dispatch({ effects: EditorView.scrollIntoView(from, { y: 'center' }) });
     },
