@@ -1,4 +1,4 @@
-"""What stands in for msgspec in the page reads each scenario there as msgspec does."""
+"""What stands in for msgspec and pymunk in the page reads and drives as they do."""
 
 from __future__ import annotations
 
@@ -6,34 +6,71 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from grader.course.exercises import ROOT
 from sim.scenario_files import load_scenario, scenario_names
 
 READ = """
-import json, sys
-sys.path[:0] = sys.argv[1:]
 import msgspec
 from sim.scenario_files import load_scenario
-assert "stand_ins" in msgspec.__file__
-print(json.dumps({name: repr(load_scenario(name)) for name in json.load(sys.stdin)}))
+print(json.dumps({name: repr(load_scenario(name)) for name in order}))
 """
+CRASH = """
+import pymunk
+import numpy as np
+from sim.scenario_files import load_scenario
+from sim.simulation import Simulation
+runs = []
+for name, seed in order:
+    draw = np.random.default_rng(seed)
+    times = np.arange(0, 12, 0.5)
+    commands = zip(times, draw.uniform(-0.2, 0.5, times.size), draw.uniform(-1.2, 1.2, times.size))
+    simulation = Simulation(load_scenario(name), seed)
+    simulation.advance(12 * 10**9, [(round(t * 1e9), float(v), float(w)) for t, v, w in commands])
+    truth = simulation.truth()
+    runs.append([truth.x.tolist(), truth.y.tolist(), truth.contact.tolist()])
+print(json.dumps(runs))
+"""
+CROWDED = ("avoid_cart", "avoid_store", "avoid_corridor", "trend_cart", "demo_store")
 
 
-@pytest.mark.parametrize(
-    "room",
-    ["demo", "obstacle_avoidance", "goal_seeking", "trend_memory", "safety_supervisor"],
-)
-def test_scenarios_are_the_same_with_the_stand_in(room: str) -> None:
-    names = [name for name, path in scenario_names().items() if room in path.parts]
-    assert names
+def said_by(script: str, order: object, *paths: str) -> object:
+    """Run a script where some folders come first."""
+    begin = "import json, sys\nsys.path[:0] = sys.argv[1:]\norder = json.load(sys.stdin)\n"
     done = subprocess.run(
-        [sys.executable, "-c", READ, str(ROOT / "workspace" / "stand_ins"), str(ROOT)],
-        input=json.dumps(names),
+        [sys.executable, "-c", begin + script, *paths, str(ROOT)],
+        input=json.dumps(order),
         text=True,
         capture_output=True,
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout) == {name: repr(load_scenario(name)) for name in names}
+    return json.loads(done.stdout)
+
+
+def with_stand_ins(script: str, order: object) -> object:
+    folder = str(ROOT / "workspace" / "stand_ins")
+    module = next(line for line in script.splitlines() if line).removeprefix("import ")
+    return said_by(f"{script}\nassert {module}.__file__.startswith({folder!r})", order, folder)
+
+
+@pytest.mark.parametrize(
+    "room", ["demo", "obstacle_avoidance", "goal_seeking", "trend_memory", "safety_supervisor"]
+)
+def test_scenarios_are_the_same(room: str) -> None:
+    names = [name for name, path in scenario_names().items() if room in path.parts]
+    assert names
+    assert with_stand_ins(READ, names) == {name: repr(load_scenario(name)) for name in names}
+
+
+@pytest.mark.long
+def test_a_robot_that_runs_into_things_is_where_pymunk_has_it() -> None:
+    order = [(name, seed) for name in CROWDED for seed in range(8)]
+    touched = 0
+    for here, there in zip(with_stand_ins(CRASH, order), said_by(CRASH, order), strict=True):
+        assert here[2] == there[2]
+        assert np.hypot(*np.subtract(here[:2], there[:2])).max() < 0.001  # [m]
+        touched += sum(here[2])
+    assert touched > 800
