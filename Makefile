@@ -76,6 +76,7 @@ bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/lockstep.py
 	$(BIN)/python benchmarks/runtimes.py
 	$(BIN)/python benchmarks/batch.py
+	@test ! -f build/site/_static/workspace/manifest.json || $(BIN)/python benchmarks/page.py
 
 EXERCISES ?=
 profile: $(VENV)/.dev ## CPU time of a grading of each reference; EXERCISES="obstacle_avoidance …" of some

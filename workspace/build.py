@@ -36,14 +36,16 @@ from workspace.plan import plan
 
 HERE = Path(__file__).resolve().parent
 EXERCISES = ("1", "3", "4", "7")  # whose nodes need neither threads nor models
+SLUGS = "|".join(find_exercise(name).slug for name in EXERCISES)
 MADE_IN = "/course"  # where the worker unpacks (web/worker.js)
 INFLATED = ("pyodide.asm.js", "pyodide.asm.wasm")  # by the worker: plain servers compress nothing
 LIBRARY = "python_stdlib.zip"  # as well: its files are small, and make a smaller archive together
 WEB = ("start.js", "worker.js", "workspace.js", "workspace.css")
 # The rooms of the course that a page needs
 COURSE = re.compile(
-    r"sim/(?!live/)|rclpy_portable/|exercises/[^/]+/exercise\.toml$|workspace/(runtime|stand_ins/)"
-    r"|grader/(?!authoring|classroom|cli|drive|lms|nbgrader|notebook|testing"
+    rf"sim/(?!live/)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
+    rf"|workspace/(runtime|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
+    r"|grader/(?!exercises|authoring|classroom|cli|drive|lms|nbgrader|notebook|testing"
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
 FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")
@@ -53,7 +55,8 @@ PACKAGES = (  # of .venv; without compiled parts
     "_pytest", "iniconfig", "packaging", "pluggy", "py.py", "pygments", "pytest", "rosbags", "yaml",
 )  # fmt: skip
 NOT_OF_PACKAGES = re.compile(
-    r"pygments/lexers/(?!__init__|_mapping|python|diff)|rosbags/(convert|rosbag1|rosbag2)/"
+    r"pygments/(lexers/(?!__init__|_mapping|python|diff)|styles/(?!__init__|_mapping|default)"
+    r"|formatters/(?!__init__|_mapping|terminal\.))|rosbags/(convert|rosbag1|rosbag2)/"
     r"|rosbags/typesys/stores/(latest|ros1|ros2_(kilted|lyrical))"
 )
 NOT_OF_NUMPY = re.compile(
@@ -63,7 +66,7 @@ NOT_OF_NUMPY = re.compile(
 NOT_OF_PYTHON = re.compile(
     r"^(ensurepip|idlelib|lib2to3|pydoc_data|sqlite3|test|tkinter|turtle|xmlrpc|mailbox|wsgiref|curses"
     r"|(aifc|cgi|cgitb|ftplib|imaplib|modulefinder|nntplib|pipes|poplib|smtplib|sndhdr|sunau|telnetlib"
-    r"|pyclbr|venv|webbrowser|xdrlib|zipapp)\b|dbm|encodings/(?!__init__|aliases|ascii|cp437|idna|latin_1|punycode|raw_unicode|unicode|utf_))"
+    r"|pyclbr|venv|webbrowser|xdrlib|zipapp|pydoc|unittest/mock|xml/(dom|sax))\b|dbm|encodings/(?!__init__|aliases|ascii|cp437|idna|latin_1|punycode|raw_unicode|unicode|utf_))"
 )
 EPOCH = (2020, 1, 1, 0, 0, 0)  # of files in archives: the same sources, the same bytes
 

@@ -21,7 +21,7 @@ const inflated = async (name, type) => {
 const say = (text) => postMessage({ kind: 'progress', text });
 
 async function load() {
-  say('Fetching Python, 11 MB the first time …');
+  say('Fetching Python, 12 MB the first time …');
   const packs = Promise.all(['packages.pack', 'course.pack'].map(bytes));
   importScripts('pyodide/pyodide.js', URL.createObjectURL(await (await inflated('pyodide/pyodide.asm.js', 'text/javascript')).blob()));
   const plainFetch = globalThis.fetch;

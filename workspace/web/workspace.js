@@ -242,7 +242,7 @@ class Workspace {
 
   /** Show the workspace; `code` is what a link brought along. */
   async open(code = null) {
-    this.dialog.showModal();
+    if (!this.dialog.open) this.dialog.showModal();
     stand('#workspace'); // a reload comes back here, and does not bring the link's code again
     if (!this.editor) await this.makeEditor();
     const said = code === null ? [] : [await this.take(code)];
@@ -552,7 +552,7 @@ class Workspace {
   cancel(event) {
     if (!this.code.contains(document.activeElement)) return;
     event.preventDefault();
-    this.driveButton.focus();
+    this.scenario.focus();
   }
 }
 
@@ -583,7 +583,7 @@ if (place) {
   const { exercises, demos } = await (await fetch(new URL('plan.json', HERE))).json();
   const workspace = new Workspace(exercises[place.dataset.exercise], demos, place);
   place.querySelector('.workspace-words').textContent = 'Write the node here, drive it and have it checked, in this '
-    + 'browser: nothing is installed, and nothing leaves this machine. The first visit fetches 11 MB.';
+    + 'browser: nothing is installed, and nothing leaves this machine. The first visit fetches 12 MB.';
   place.querySelector('.workspace-open').replaceChildren(
     el('button', { type: 'button', class: 'ws-main', onclick: () => workspace.open() }, 'Open the workspace'));
   document.body.dataset.workspace = 'ready';
