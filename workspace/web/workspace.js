@@ -206,7 +206,7 @@ class Workspace {
     this.checkButton = button('Check', () => this.check(), { title: 'Ctrl-Shift-Enter', class: 'ws-main' });
     this.stopButton = button('Stop', () => this.machine.stop(), { hidden: true });
     this.versions = el('select', { 'aria-label': 'Earlier versions', onchange: () => this.restore() });
-    this.code = el('div', { class: 'ws-code', 'data-pane': 'code' });
+    this.code = el('div', { class: 'ws-code', 'data-pane': 'code', onkeydown: (event) => this.leave(event) });
     this.replay = el('div', { class: 'ws-replay', 'data-pane': 'replay' },
       el('p', { class: 'ws-empty' }, 'Drive the node, or check it: its run is shown here.'));
     this.score = el('div', { class: 'ws-score' }, `Practice: ${plan.points} points can be won here. `
@@ -217,8 +217,8 @@ class Workspace {
     this.tabs = ['code', 'replay', 'checks'].map((name) => button(name[0].toUpperCase() + name.slice(1),
       () => this.show(name), { 'aria-pressed': name === 'code', 'data-name': name }));
     this.dialog = el('dialog', { class: 'workspace', 'aria-label': `Workspace: exercise ${plan.number}, ${plan.title}`,
-      oncancel: (event) => this.cancel(event), onclose: () => stand(''), 'data-show': 'code' },
-      el('header', {},
+      onclose: () => stand(''), 'data-show': 'code' },
+      el('div', { class: 'ws-bar' },
         el('h2', {}, `${plan.number}. ${plan.title}`),
         el('div', { class: 'ws-tools' },
           this.driveButton,
@@ -549,8 +549,8 @@ class Workspace {
   }
 
   /** Escape in the editor leaves the editor, not the workspace. */
-  cancel(event) {
-    if (!this.code.contains(document.activeElement)) return;
+  leave(event) {
+    if (event.key !== 'Escape' || event.defaultPrevented) return;
     event.preventDefault();
     this.scenario.focus();
   }
