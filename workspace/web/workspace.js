@@ -4,6 +4,7 @@
 const HERE = new URL('.', import.meta.url);
 const FOLDER = '/home/reader'; // where the worker puts the node
 const PATIENCE = 10; // [s] without a word of the worker, after which the reader is asked
+const JUDGE_EVERY = 2; // [s] while a check drives on: each time costs about half a second
 const KEPT = 20; // versions
 const LONGEST = 8000; // [characters] of a link: longer ones are cut where they are passed on
 const NOTHING_KEPT = 'This browser keeps nothing for this site: download your file before you leave the page.';
@@ -367,21 +368,19 @@ class Workspace {
       const text = this.editor.text;
       const driven = [];
       const wanted = [...new Set(checks.flatMap((check) => check.scenarios))];
-      let judged = 0;
-      while (judged < checks.length) {
-        for (const scenario of checks[judged].scenarios.filter((name) => !driven.includes(name))) {
+      let [shown, last] = [0, performance.now()];
+      for (const [i, { scenarios }] of checks.entries()) {
+        for (const scenario of scenarios.filter((name) => !driven.includes(name))) {
           this.doing = `Run ${driven.length + 1} of ${wanted.length}, ${scenario}`;
           this.say(`${this.doing} …`);
           await this.run(scenario, { interrupt: !driven.length });
           driven.push(scenario);
         }
-        let next = judged;
-        while (next < checks.length && checks[next].scenarios.every((name) => driven.includes(name))) next += 1;
-        if (next < checks.length) {
-          const only = checks.slice(judged, next).map(({ id }) => id);
+        if (performance.now() - last > JUDGE_EVERY * 1000 && i + 1 < checks.length) {
+          const only = checks.slice(shown, i + 1).map(({ id }) => id);
           this.fill(await this.judge(driven, only), only);
+          [shown, last] = [i + 1, performance.now()];
         }
-        judged = next;
       }
       this.say('Judging …');
       const grading = await this.judge(driven);
