@@ -35,6 +35,7 @@ class Program:
     file: str  # of its module, below the working folder
     entry: str = ""  # "module:function"; "": the file itself is run
     arguments: tuple[str, ...] = ()  # of its command line, as a launch file has them
+    needed: bool = False  # the others end with it
 
 
 @dataclass(frozen=True)

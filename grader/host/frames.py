@@ -75,6 +75,7 @@ class ProgramStart(msgspec.Struct, frozen=True):
     stop: Nanoseconds | None = None  # [ns]; it is killed then
     hides: tuple[Name, ...] = ()  # libraries that seem not installed to it
     entry: str = ""  # "module:function" of a package, which `ros2 run` calls; "": the file is run
+    spared: bool = False  # one of several of a launch file: where it ends, the others go on
 
 
 class Start(msgspec.Struct, frozen=True, tag="start"):
@@ -192,14 +193,14 @@ class Note(msgspec.Struct, array_like=True, frozen=True):
     """What a person should know of a run, and no message shows; nobody judges it."""
 
     kind: Annotated[
-        str, msgspec.Meta(pattern="^(lost|lifecycle|lasts|awaits|stuck|waits|threads)$")
+        str, msgspec.Meta(pattern="^(lost|lifecycle|lasts|awaits|stuck|waits|threads|ended)$")
     ]
-    about: Name  # a topic, a node, or a function ...
+    about: Name  # a topic, a node, a program, or a function ...
     line: Name = ""  # ... and where: "node.py, line 12"
     count: Nanoseconds = 1
     time: Nanoseconds = 0  # [ns] when it began, or the longest of them
     lasted: Nanoseconds = 0  # [ns]
-    more: Name = ""  # a state, a service, what had to wait
+    more: Name = ""  # a state, a service, what had to wait, how it ended
 
 
 Notes = Annotated[list[Note], msgspec.Meta(max_length=MAX_NOTES)]

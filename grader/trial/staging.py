@@ -84,9 +84,11 @@ def _programs(
             start=round(spec.start * 1e9),
             stop=None if spec.stop is None else round(spec.stop * 1e9),
             hides=scenario.node.hides,
+            spared=len(group) > 1 and not program.needed,
         )
         for spec in scenario.program or (ProgramSpec(),)
-        for program in ([Program(spec.file)] if spec.supplied else submission.started(spec.file))
+        for group in [[Program(spec.file)] if spec.supplied else submission.started(spec.file)]
+        for program in group
     )
 
 
