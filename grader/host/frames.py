@@ -159,9 +159,10 @@ class Predict(msgspec.Struct, frozen=True, tag="predict"):
 
 
 class ReadPackage(msgspec.Struct, frozen=True, tag="read_package"):
-    """Read the colcon package in the working folder, and the launch file that is named."""
+    """Read the colcon packages in these folders, and the launch file that is named."""
 
     launch: str = ""
+    folders: tuple[str, ...] = ("",)  # below the working folder
 
 
 class Published(msgspec.Struct, array_like=True, frozen=True):
@@ -318,6 +319,10 @@ class Executable(msgspec.Struct, array_like=True, frozen=True):
     name: Name
     file: Name  # below the folder in which the package is installed
     entry: Annotated[str, msgspec.Meta(pattern=r"^([\w.]{1,120}:[\w.]{1,120})?$")]
+    package: Name = ""
+
+
+Made = dict[Annotated[str, msgspec.Meta(pattern=r"^launch_params_\d{1,3}\.yaml$")], Text]
 
 
 class Launched(msgspec.Struct, array_like=True, frozen=True):
@@ -325,6 +330,10 @@ class Launched(msgspec.Struct, array_like=True, frozen=True):
 
     executable: Name
     arguments: Annotated[tuple[Text, ...], msgspec.Meta(max_length=200)]
+    package: Name = ""
+    needed: bool = False  # where it ends, all do
+    node: Name = ""  # its full name, if that is given ...
+    made: Made = {}  # ... and parameters for it
 
 
 class PackageRead(msgspec.Struct, frozen=True, tag="package_read"):

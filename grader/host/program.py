@@ -75,7 +75,7 @@ def _run_one_of_many(session: Session, program: ProgramStart) -> None:
     name = Path(program.file).name
     if session.ending and as_asked and session.programs.others():
         return
-    if not session.ending and program.spared and session.programs.others(spared=True):
+    if not session.ending and program.spared and session.programs.go_on():
         session.note(Note("ended", name, time=max(0, session.kernel.now), more=text))
         print(detail.partition("\n\n")[2], end="", file=sys.stderr)
         session.programs.leave()

@@ -6,6 +6,7 @@ import contextlib
 import shutil
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from grader.course.submission import Program, Submission
@@ -73,6 +74,9 @@ def _programs(
 ) -> tuple[ProgramStart, ...]:
     """Return what to run: the submission's own file, or what the scenario asks for."""
     common = (*arguments, *parameter_arguments(scenario.node.parameters))
+    for program in submission.started() if submission.package else ():
+        for name, text in program.made:
+            (folder / name).write_text(text, "utf-8")
     for spec in scenario.program:
         if spec.supplied:
             shutil.copyfile(SUPPLIED / spec.file, folder / spec.file)
@@ -80,7 +84,7 @@ def _programs(
         ProgramStart(
             file=str(folder / program.file),
             entry=program.entry,
-            arguments=(*program.arguments, *common, *spec.arguments),
+            arguments=(*program.arguments, *_first(common, program, folder), *spec.arguments),
             start=round(spec.start * 1e9),
             stop=None if spec.stop is None else round(spec.stop * 1e9),
             hides=scenario.node.hides,
@@ -90,6 +94,21 @@ def _programs(
         for group in [[Program(spec.file)] if spec.supplied else submission.started(spec.file)]
         for program in group
     )
+
+
+def _first(words: Sequence[str], program: Program, folder: Path) -> tuple[str, ...]:
+    """Return words with parameters so that they go before those of the program's launch file.
+
+    What that says of a node by its full name goes before any `-p NAME:=VALUE`.
+    """
+    given = [word.split(":=", 1) for flag, word in pairwise(words) if flag == "-p"]
+    if not program.made or not given:
+        return tuple(words)
+    file = f"course_{program.made[0][0]}"
+    lines = [f"    {name}: {value}" for name, value in given]
+    text = "\n".join([f"{program.node}:", "  ros__parameters:", *lines, ""])
+    (folder / file).write_text(text, "utf-8")
+    return (*words, "--params-file", file)
 
 
 def _ours(scenario: Scenario, files: Collection[str]) -> set[str]:

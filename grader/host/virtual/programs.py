@@ -66,7 +66,8 @@ class Programs:
     def supervise(self) -> None:
         """Do what is to be done, each at its time; never returns."""
         kernel = self._kernel
-        kernel.me().program = kernel.program = self._host
+        self._supervisor = kernel.me()
+        self._supervisor.program = kernel.program = self._host
         self._install()
         never = max(p.start.stop or 0 for p in self._programs) + 1
         plan = [(p.start.start, i, self._start, p) for i, p in enumerate(self._programs)]
@@ -84,14 +85,19 @@ class Programs:
             if program.signals is not None:
                 program.signals.deliver(signal.SIGINT)
 
-    def others(self, *, spared: bool = False) -> bool:
-        """Return whether programs run besides the calling one; `spared`: such as are spared."""
-        rest = (program for program in self._alive() if program is not self._kernel.program)
-        return any(program.start.spared or not spared for program in rest)
+    def others(self) -> bool:
+        """Return whether programs run besides the calling one."""
+        return any(program is not self._kernel.program for program in self._alive())
+
+    def go_on(self) -> bool:
+        """Return whether others run, or will, that are spared as the calling one is."""
+        alive = (*self._alive(), *(p for p in self._programs if p.signals and not p.signals.main))
+        return any(p.start.spared and p is not self._kernel.program for p in alive)
 
     def leave(self) -> None:
         """End the calling program, its other threads and its nodes; the others go on."""
         program: Any = self._kernel.program
+        self._supervisor.program = self._host  # it may be about to start this very program
         self._kill(program)
 
     def _alive(self) -> list[Program]:
