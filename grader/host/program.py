@@ -76,11 +76,13 @@ def _run_one_of_many(session: Session, program: ProgramStart) -> None:
     if session.ending and as_asked and session.programs.others():
         return
     if not session.ending and program.spared and session.programs.go_on():
-        session.note(Note("ended", name, time=max(0, session.kernel.now), more=text))
+        now = max(0, session.kernel.now)
+        session.note(Note("ended", name, program.entry, time=now, more=text))
         print(detail.partition("\n\n")[2], end="", file=sys.stderr)
         session.programs.leave()
         return
-    session.end(kind, f"{name}: {text}", detail)
+    said = text if session.ending and as_asked else f"{name}: {text}"
+    session.end(kind, said, detail)
     os._exit(0)
 
 

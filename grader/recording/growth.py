@@ -114,7 +114,8 @@ def _said(note: Note, recording: Recording) -> str:
 def ended_of(recording: Recording) -> list[str]:
     """Say which of several programs ended while the others went on, a sentence each."""
     return [
-        f"{note.about} ended at {note.time / 1e9:.1f} s: {note.more}; the other programs went on"
+        f"{note.about}{f' ({note.line})' if note.line else ''} ended at {note.time / 1e9:.1f} s: "
+        f"{note.more}; the other programs went on"
         for note in recording.notes
         if note.kind == "ended"
     ]

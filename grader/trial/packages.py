@@ -162,11 +162,11 @@ def _no_program(
     if launch:
         return f"{launch} starts {wanted}, but the package's entry points are: {names}"
     if not wanted:
-        launches = listed([name for name in there if name.endswith(LAUNCH)])
-        also = f"; its launch files in Python, which alone are read here: {launches or 'none'}"
+        launches = [name for name in there if name.endswith(LAUNCH)]
+        also = f"a launch file ({listed(launches)}), or " if launches else ""
         return (
-            f"which program is to be started? The package's entry points are: {names}{also}. Give "
-            "`course` the path of a launch file, or an entry point as PACKAGE_FOLDER/NAME"
+            f"which program is to be started? Give `course` {also}an entry point as "
+            f"PACKAGE_FOLDER/NAME ({names}); of launch files only those in Python are read here"
         )
     return f"no entry point of the package leads to {wanted}; setup.py has: {names}"
 

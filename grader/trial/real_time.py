@@ -159,8 +159,10 @@ class _LiveTrial:
             output = [o for p in hosts.programs for o in (p.link.stdout, p.link.stderr)]
             for program in hosts.programs:
                 if program.left is not None:
-                    name, said = Path(program.start.file).name, _text_of_end(program)[:MAX_NAME]
-                    self._recorder.note([Note("ended", name, time=program.left, more=said)])
+                    file, entry = Path(program.start.file).name, program.start.entry
+                    said = _text_of_end(program)[:MAX_NAME]
+                    note = Note("ended", file, entry, time=program.left, more=said)
+                    self._recorder.note([note])
         self._recorder.note_endpoints(hosts.endpoints)
         limit = _longest_stall(self._simulation.scenario)
         if self._lateness > limit:

@@ -187,11 +187,11 @@ class NodeTrials(Trials):
 
     def _ended_early(self) -> list[str]:
         """Say which programs ended while others went on, each in the first run that shows it."""
-        first: dict[tuple[str, str], str] = {}
+        first: dict[tuple[str, str, str], str] = {}
         for run in self.recordings():
             notes = [note for note in run.notes if note.kind == "ended"]
             for note, said in zip(notes, ended_of(run), strict=True):
-                first.setdefault((note.about, note.more), f"In {run.name}, {said}.")
+                first.setdefault((note.about, note.line, note.more), f"In {run.name}, {said}.")
         return list(first.values())
 
     def _grown(self) -> list[str]:

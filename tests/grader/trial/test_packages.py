@@ -264,7 +264,7 @@ def test_a_launch_file_starts_nodes_of_other_packages(
 def test_a_workspace_is_asked_for_what_to_start(forkserver: ForkServer, tmp_path: Path) -> None:
     launches = {f"src/bringup/launch/{name}.launch.py": BRINGUP for name in ("a", "b")}
     submission = unpacked(find_submission(lay(tmp_path, WORKSPACE | launches)), forkserver)
-    assert "mine one, mine two; its launch" in submission.problem
+    assert "NAME (bringup extra.py, mine one, mine two)" in submission.problem
     assert all(name in submission.problem for name in launches)
 
 
@@ -343,7 +343,7 @@ BROKEN = {
             "parameters=[", "parameters=['share/mine/c.yaml', ")},
         "`data_files` in setup.py has to install",
     ),
-    "which": ({}, "entry points are: one, two; its launch"),
+    "which": ({}, "an entry point as PACKAGE_FOLDER/NAME (one, two)"),
     "unknown": (
         {"a.launch.py": "from launch.actions import ExecuteProcess\nExecuteProcess(cmd=['ls'])"},
         "launch.actions.ExecuteProcess is not known here",
