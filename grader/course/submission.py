@@ -191,7 +191,8 @@ def _packages_of(path: Path, expected: str | None) -> tuple[Path, list[Path]] | 
     """Return a folder and those of the colcon packages in it; None if no package is meant.
 
     A file is run as `python3 FILE` runs it, unless it is a module of a package's or a launch file.
-    A folder may be a package or a workspace; of a launch file it is the `src` around its package.
+    A folder may be a package or a workspace; of a launch file it is the `src` around its package,
+    but not where a certain file is `expected`: what lies around may be another student's then.
     """
     path = path.absolute()
     if path.is_dir():
@@ -206,7 +207,7 @@ def _packages_of(path: Path, expected: str | None) -> tuple[Path, list[Path]] | 
     if path.name.endswith(LAUNCH):
         home = next((each for each in near if (each / MANIFEST).is_file()), None)
         around = next((each for each in near if each.name == "src"), None) if home else path.parent
-        found = _packages_in(around) if around else []
+        found = _packages_in(around) if around and expected is None else []
         if around and any(map(is_package, found)) and (home is None or home in found):
             return around, found
         if home is None or not is_package(home):

@@ -50,6 +50,7 @@ def read(launch: str, folders: Iterable[str] = ("",)) -> PackageRead:
     here = Path.cwd()
     files: dict[str, str] = {}  # what is installed: its place, its source
     executables: list[Executable] = []
+    names = set[str]()
     owner, notes = "", list[str]()  # the package in which the launch file lies
     place = launch  # where it is installed
     started: list[launch_files.Started] = []
@@ -57,6 +58,9 @@ def read(launch: str, folders: Iterable[str] = ("",)) -> PackageRead:
         for folder in folders:
             os.chdir(here / folder)
             package = _Built(here, here / folder)
+            if package.name in names:
+                raise Unbuildable(f"two packages are called {package.name}: colcon builds neither")
+            names.add(package.name)
             files |= package.install()
             executables += package.executables(files)
             if PurePosixPath(launch).is_relative_to(folder or "."):

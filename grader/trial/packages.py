@@ -134,7 +134,7 @@ def _executable(
         wanted = package.main
         stem = Path(wanted).stem
         mine = [e for e in every if PurePosixPath(e.file).name == wanted or e.name == stem]
-        every = mine or every
+        every, wanted = mine or every, wanted if len(mine) < 2 else ""
     if (not package.start and len(every) != 1) or not every:
         raise LookupError(wanted)
     return every[0]

@@ -268,9 +268,27 @@ def test_a_workspace_is_asked_for_what_to_start(forkserver: ForkServer, tmp_path
     assert all(name in submission.problem for name in launches)
 
 
+def test_of_two_packages_with_the_exercises_file_one_is_named(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    again = {f"src/again/{name}": text.replace("mine", "again") for name, text in MINE.items()}
+    again |= {f"src/again/again/{name}.py": NODE for name in ("__init__", "two")}
+    submission = find_submission(lay(tmp_path, WORKSPACE | again), "two.py")
+    assert "again two, " in unpacked(submission, forkserver).problem
+    lay(tmp_path, {"src/again/package.xml": XML})
+    assert "two packages are called mine" in unpacked(submission, forkserver).problem
+
+
 def test_a_launch_file_of_no_package_is_refused(tmp_path: Path) -> None:
+    lay(
+        tmp_path, {"a.launch.py": BRINGUP, "node.py": NODE, **WORKSPACE, "src/b.launch.py": BRINGUP}
+    )
+    for given, expected in (("a.launch.py", "two.py"), ("src/b.launch.py", "two.py")):
+        with pytest.raises(InputError, match="expected a launch file in a package"):
+            find_submission(tmp_path / given, expected)
+    (tmp_path / "src" / "mine" / "setup.py").unlink()
     with pytest.raises(InputError, match="expected a launch file in a package"):
-        find_submission(lay(tmp_path, {"a.launch.py": BRINGUP, "node.py": NODE}) / "a.launch.py")
+        find_submission(tmp_path / "src" / "b.launch.py")
 
 
 @pytest.mark.parametrize("given", ["", "mine/two.py", "two"])
