@@ -15,6 +15,7 @@ from grader.models.files import write_models
 from sim.messages import LATCHED, OFFERED, SENSORS
 from sim.scenario import ProgramSpec, Scenario
 
+FIRST = "course_"  # before the name of a launch file's parameters: what goes before them
 # programs of ours that run beside students'
 SUPPLIED = Path(__file__).parents[1] / "host" / "supplied"
 
@@ -36,8 +37,12 @@ def stage(
     files: Mapping[str, bytes] | None = None,
 ) -> Iterator[Stage]:
     """Lay out a submission for a scenario, in a fresh folder that goes when the block ends."""
-    with submission.folder(without=_ours(scenario, files or {})) as folder:
+    made = dict(each for program in _read_out(submission) for each in program.made)
+    ours = _ours(scenario, {**made, **{FIRST + name: "" for name in made}, **(files or {})})
+    with submission.folder(without=ours) as folder:
         write_models(scenario.node.models, folder)
+        for name, text in made.items():
+            (folder / name).write_text(text, "utf-8")
         for name, content in (files or {}).items():
             (folder / name).write_bytes(content)
         programs = _programs(scenario, submission, folder, arguments)
@@ -74,9 +79,6 @@ def _programs(
 ) -> tuple[ProgramStart, ...]:
     """Return what to run: the submission's own file, or what the scenario asks for."""
     common = (*arguments, *parameter_arguments(scenario.node.parameters))
-    for program in submission.started() if submission.package else ():
-        for name, text in program.made:
-            (folder / name).write_text(text, "utf-8")
     for spec in scenario.program:
         if spec.supplied:
             shutil.copyfile(SUPPLIED / spec.file, folder / spec.file)
@@ -96,6 +98,10 @@ def _programs(
     )
 
 
+def _read_out(submission: Submission) -> tuple[Program, ...]:
+    return submission.package.programs if submission.package else ()
+
+
 def _first(words: Sequence[str], program: Program, folder: Path) -> tuple[str, ...]:
     """Return words with parameters so that they go before those of the program's launch file.
 
@@ -104,7 +110,7 @@ def _first(words: Sequence[str], program: Program, folder: Path) -> tuple[str, .
     given = [word.split(":=", 1) for flag, word in pairwise(words) if flag == "-p"]
     if not program.made or not given:
         return tuple(words)
-    file = f"course_{program.made[0][0]}"
+    file = FIRST + program.made[0][0]
     lines = [f"    {name}: {value}" for name, value in given]
     text = "\n".join([f"{program.node}:", "  ros__parameters:", *lines, ""])
     (folder / file).write_text(text, "utf-8")

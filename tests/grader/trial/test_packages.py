@@ -200,6 +200,7 @@ def test_actions_of_launch_files_mean_what_they_mean_to_ros2_launch(
         "print(__name__", "import sys; print(sys.argv[1:2] == ['-x']"
     )
     files = {**MINE, "mine/one.py": node, "launch/inner.launch.py": INNER}
+    files |= {f"{name}launch_params_1.yaml/theirs": "" for name in ("", "course_")}
     lay(
         tmp_path,
         {
