@@ -104,6 +104,8 @@ def drive(
     check_writable(report)
     with start_forkserver(portable=portable) as forkserver:
         submission = driving.unpacked(submission, forkserver)
+        if submission.problem:
+            raise InputError(f"{file}: {submission.problem}")
         recording = driving.drive_node(
             submission,
             chosen,

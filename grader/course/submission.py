@@ -36,17 +36,21 @@ class Program:
     file: str  # of its module, below the working folder
     entry: str = ""  # "module:function"; "": the file itself is run
     arguments: tuple[str, ...] = ()  # of its command line, as a launch file has them
+    needed: bool = False  # the others end with it
+    node: str = ""  # the full name of its node, where a launch file gives it ...
+    made: tuple[tuple[str, str], ...] = ()  # ... and what it writes for it: name and YAML
 
 
 @dataclass(frozen=True)
 class Package:
     """What a colcon package is asked for, and the programs that were read out of it."""
 
-    start: str = ""  # the launch file, or the module's file, to start; "": whichever there is
+    start: str = ""  # the launch file, module's file or entry point to start; "": the only one
     main: str = ""  # the file that the exercise wants; "" if it is for none
     others: tuple[str, ...] = ()  # the exercise's other files
     programs: tuple[Program, ...] = ()  # to start together; () before it is read
     every: tuple[Program, ...] = ()  # that could be started
+    folders: tuple[str, ...] = ("",)  # the packages', below that of all files
 
 
 @dataclass(frozen=True)
@@ -144,8 +148,8 @@ def find_submission(
     InputError
         There is no such file, or one is a link.
     """
-    if (root := _package_of(path, expected)) is not None:
-        return _in_package(root, path, expected, others)
+    if (place := _packages_of(path, expected)) is not None:
+        return _in_packages(*place, path, expected, others)
     if path.is_dir():
         path = _in_folder(path, expected)
     elif not path.exists():
@@ -194,74 +198,97 @@ def read_regular_file(path: Path, limit: int = MAX_SIZE) -> bytes:
         return file.read(limit + 1)
 
 
-def _package_of(path: Path, expected: str | None) -> Path | None:
-    """Return the folder of the colcon package that is meant; None if it is no package.
+def _packages_of(path: Path, expected: str | None) -> tuple[Path, list[Path]] | None:
+    """Return a folder and those of the colcon packages in it; None if no package is meant.
 
-    A file is run as `python3 FILE` runs it, unless it is a module of the package's or a launch
-    file. A folder may be a workspace with one package.
+    A file is run as `python3 FILE` runs it, unless it is a module of a package's or a launch file.
+    A folder may be a package or a workspace; of a launch file it is the `src` around its package,
+    but not where a certain file is `expected`: what lies around may be another student's then.
     """
     path = path.absolute()
-    if not path.is_dir():
-        if path.name.endswith(LAUNCH):
-            near = [path.parent, *path.parents[1:MODULES]]
-        elif (path.parent / "__init__.py").is_file():
-            near = list(path.parents[1:MODULES])
-        else:
+    if path.is_dir():
+        if is_package(path):
+            return path, [path]
+        if expected is not None and (path / expected).exists():
             return None
-        return next((folder for folder in near if is_package(folder)), None)
-    if is_package(path):
-        return path
-    if expected is not None and (path / expected).exists():
-        return None
-    inside = [each for depth in ("*", "*/*") for each in sorted(path.glob(depth))[:MOST_LOOKED_AT]]
-    found = [each for each in inside if not each.is_symlink() and is_package(each)]
-    found = [each for each in found if each.parent.name not in ("build", "install", "log")]
-    if len(found) > 1:
-        names = ", ".join(str(each.relative_to(path)) for each in found[:5])
-        raise InputError(f"{path}: expected one package, but there are {names}; name one of them")
-    return found[0] if found else None
+        return (path, found) if any(map(is_package, found := _packages_in(path))) else None
+    if not path.exists():  # may be the name of an entry point
+        return (path.parent, [path.parent]) if is_package(path.parent) else None
+    near = [path.parent, *path.parents[1:MODULES]]
+    if path.name.endswith(LAUNCH):
+        home = next((each for each in near if (each / MANIFEST).is_file()), None)
+        around = next((each for each in near if each.name == "src"), None) if home else path.parent
+        found = _packages_in(around) if around and expected is None else []
+        if around and any(map(is_package, found)) and (home is None or home in found):
+            return around, found
+        if home is None or not is_package(home):
+            raise InputError(
+                f"{path}: expected a launch file in a package with a setup.py, in another package "
+                "of the same src folder, or in the folder that holds the packages"
+            )
+        return home, [home]
+    if (path.parent / "__init__.py").is_file():
+        home = next((each for each in near[1:] if is_package(each)), None)
+        return (home, [home]) if home else None
+    return None
 
 
-def is_package(folder: Path) -> bool:
-    """Return whether a folder is a package that colcon builds with setuptools."""
-    there = [name for name in (MANIFEST, *SETUPS) if (folder / name).is_file()]
+def _packages_in(folder: Path) -> list[Path]:
+    """Return the packages in a folder and in those in it, but for what colcon makes."""
+    inside = [e for depth in ("*", "*/*") for e in sorted(folder.glob(depth))[:MOST_LOOKED_AT]]
+    return [
+        each
+        for each in inside
+        if is_package(each, (*SETUPS, "CMakeLists.txt"))
+        and not each.is_symlink()
+        and each.parent.name not in ("build", "install", "log")
+    ]
+
+
+def is_package(folder: Path, setups: Sequence[str] = SETUPS) -> bool:
+    """Return whether a folder is a package that colcon builds, by default with setuptools."""
+    there = [name for name in (MANIFEST, *setups) if (folder / name).is_file()]
     return there[:1] == [MANIFEST] and len(there) > 1
 
 
-def _in_package(root: Path, path: Path, expected: str | None, others: Sequence[str]) -> Submission:
+def _in_packages(
+    root: Path, folders: Sequence[Path], path: Path, expected: str | None, others: Sequence[str]
+) -> Submission:
+    places = tuple("" if each == root else each.relative_to(root).as_posix() for each in folders)
     root, path = root.resolve(), path.absolute()
-    start = ""
-    if not path.is_dir():
-        if not path.is_file():
-            raise InputError(f"{path}: no such file")
+    start = "" if path.is_dir() else path.name
+    if path.is_file():
         start = (path.parent.resolve() / path.name).relative_to(root).as_posix()
     there = beside(root)
-    if MANIFEST not in there.files or (start and start not in there.files):
+    manifests = [f"{place}/{MANIFEST}".removeprefix("/") for place in places]
+    needed = [*manifests, *([start] if path.is_file() else [])]
+    if lacks := [name for name in needed if name not in there.files]:
         raise InputError(
-            f"{start or root / MANIFEST}: a link, too large, or one file too many; expected a "
-            "package of ordinary files"
+            f"{root / lacks[0]}: a link, too large, or one file too many; expected packages of "
+            "ordinary files"
         )
+    tops = tuple(f"{place}/".removeprefix("/") for place in places)
+    kept = {n: file for n, file in there.files.items() if n == start or n.startswith(tops)}
     wanted = (expected, *others) if expected else ()
     if (named := Path(start).name) in wanted:
         wanted = (named, *(name for name in wanted if name != named))
     mine = [
-        next((file for name, file in there.files.items() if Path(name).name == want), None)
+        next((file for name, file in kept.items() if Path(name).name == want), None)
         for want in wanted
     ]
     first, *rest = mine or [None]
-    package = Package(start, wanted[0] if wanted else "", wanted[1:])
+    package = Package(start, wanted[0] if wanted else "", wanted[1:], folders=places)
     found = tuple(file for file in rest if file is not None)
     problem = next(filter(None, (_problem(file) for file in mine if file)), "")
-    return Submission(
-        first or there.files[start or MANIFEST], problem, found, there.files, there.left, package
-    )
+    main = first or kept.get(start) or kept[manifests[0]]
+    return Submission(main, problem, found, kept, there.left, package)
 
 
 def _in_folder(folder: Path, expected: str | None) -> Path:
     if (folder / MANIFEST).is_file():
         raise InputError(
-            f"{folder}: a package without setup.py, which is needed here (CMakeLists.txt is not "
-            "read); give the node's file, or add one"
+            f"{folder}: a package without setup.py, so there is no program to start; give the "
+            "node's file, or the workspace with the packages that it starts"
         )
     if expected is None:
         raise InputError(f"{folder}: expected a Python file, but this is a folder")

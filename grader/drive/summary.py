@@ -11,7 +11,7 @@ from rich.padding import Padding
 
 from grader.drive.topics import topic_lines
 from grader.host.frames import NO_NODE
-from grader.recording import Recording, account_of, growth_of
+from grader.recording import Recording, account_of, ended_of, growth_of
 from grader.recording.deaths import told_first
 from grader.recording.words import told_lines
 from grader.report.terminal import Console
@@ -82,7 +82,10 @@ def _print_words(recording: Recording, console: Console, most: int | None) -> No
 def event_lines(recording: Recording) -> list[str]:
     """Return what happened, a line each."""
     truth = recording.truth
-    lines = [f"{recording.duration_s:.1f} s simulated; {_ending(recording)}"]
+    lines = [
+        f"{recording.duration_s:.1f} s simulated; {_ending(recording)}",
+        *ended_of(recording),
+    ]
     if len(truth.t):
         steps = np.hypot(np.diff(truth.x), np.diff(truth.y))
         nearest = int(np.argmin(truth.clearance))

@@ -75,6 +75,7 @@ class ProgramStart(msgspec.Struct, frozen=True):
     stop: Nanoseconds | None = None  # [ns]; it is killed then
     hides: tuple[Name, ...] = ()  # libraries that seem not installed to it
     entry: str = ""  # "module:function" of a package, which `ros2 run` calls; "": the file is run
+    spared: bool = False  # one of several of a launch file: where it ends, the others go on
 
 
 class Start(msgspec.Struct, frozen=True, tag="start"):
@@ -158,9 +159,10 @@ class Predict(msgspec.Struct, frozen=True, tag="predict"):
 
 
 class ReadPackage(msgspec.Struct, frozen=True, tag="read_package"):
-    """Read the colcon package in the working folder, and the launch file that is named."""
+    """Read the colcon packages in these folders, and the launch file that is named."""
 
     launch: str = ""
+    folders: tuple[str, ...] = ("",)  # below the working folder
 
 
 class Published(msgspec.Struct, array_like=True, frozen=True):
@@ -188,21 +190,22 @@ class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
 OWN_TIMER = "its own timer"
 
 
+NOTED = (
+    "lost", "lifecycle", "lasts", "awaits", "stuck", "waits", "threads", "sim_time", "params",
+    "imports", "ended",
+)  # fmt: skip
+
+
 class Note(msgspec.Struct, array_like=True, frozen=True):
     """What a person should know of a run, and no message shows; nobody judges it."""
 
-    kind: Annotated[
-        str,
-        msgspec.Meta(
-            pattern="^(lost|lifecycle|lasts|awaits|stuck|waits|threads|sim_time|params|imports)$"
-        ),
-    ]
-    about: Name  # a topic, a node, a function, sections ...
+    kind: Annotated[str, msgspec.Meta(pattern=f"^({'|'.join(NOTED)})$")]
+    about: Name  # a topic, a node, a program, a function, sections ...
     line: Name = ""  # ... and where: "node.py, line 12"
     count: Nanoseconds = 1
     time: Nanoseconds = 0  # [ns] when it began, or the longest of them
     lasted: Nanoseconds = 0  # [ns]
-    more: Name = ""  # a state, a service, what had to wait
+    more: Name = ""  # a state, a service, what had to wait, how it ended
 
 
 Notes = Annotated[list[Note], msgspec.Meta(max_length=MAX_NOTES)]
@@ -320,6 +323,10 @@ class Executable(msgspec.Struct, array_like=True, frozen=True):
     name: Name
     file: Name  # below the folder in which the package is installed
     entry: Annotated[str, msgspec.Meta(pattern=r"^([\w.]{1,120}:[\w.]{1,120})?$")]
+    package: Name = ""
+
+
+Made = dict[Annotated[str, msgspec.Meta(pattern=r"^launch_params_\d{1,3}\.yaml$")], Text]
 
 
 class Launched(msgspec.Struct, array_like=True, frozen=True):
@@ -327,6 +334,10 @@ class Launched(msgspec.Struct, array_like=True, frozen=True):
 
     executable: Name
     arguments: Annotated[tuple[Text, ...], msgspec.Meta(max_length=200)]
+    package: Name = ""
+    needed: bool = False  # where it ends, all do
+    node: Name = ""  # its full name, if that is given ...
+    made: Made = {}  # ... and parameters for it
 
 
 class PackageRead(msgspec.Struct, frozen=True, tag="package_read"):

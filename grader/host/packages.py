@@ -1,4 +1,4 @@
-"""Read a colcon package as `colcon build` does: what it installs, what `ros2 run` can start.
+"""Read colcon packages as `colcon build` does: what it installs, what `ros2 run` can start.
 
 setup.py is a student's program like any other: it runs here, behind the wall, with a stand-in of
 setuptools that notes what it is called with. setup.cfg and pyproject.toml are read, too.
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import configparser
 import fnmatch
+import os
 import re
 import runpy
 import shutil
@@ -28,6 +29,10 @@ from .frames import Executable, Launched, PackageRead
 from .wire import sendable
 
 ENTRY = re.compile(r"\s*([^=\s]+)\s*=\s*([\w.]+)\s*:\s*([\w.]+)\s*(?:\[.*\])?\s*")
+INSTALL = re.compile(
+    r"install\(\s*(DIRECTORY|FILES|PROGRAMS)\s+([^()]*?)\s+DESTINATION\s+([^\s)]+)"
+)
+SETUPS = ("setup.py", "setup.cfg", "pyproject.toml")
 INDEX = "share/ament_index/resource_index/packages"
 SETTINGS = (
     "name", "packages", "package_dir", "py_modules", "data_files", "entry_points", "scripts",
@@ -40,25 +45,47 @@ class Unbuildable(Exception):
     """The package can't be built; the message says why."""
 
 
-def read(launch: str) -> PackageRead:
-    """Return what the package in this folder installs and can start."""
+def read(launch: str, folders: Iterable[str] = ("",)) -> PackageRead:
+    """Return what the packages in these folders install and can start."""
     here = Path.cwd()
+    files: dict[str, str] = {}  # what is installed: its place, its source
+    executables: list[Executable] = []
+    names = set[str]()
+    owner, notes = "", list[str]()  # the package in which the launch file lies
+    place = launch  # where it is installed
+    started: list[launch_files.Started] = []
     try:
-        package = _Built(here, _settings(here))
-        found = package.install()
-        launched, notes = launch_files.read(launch, package.name) if launch else ([], [])
-        if launch and launch not in found.values():
+        for folder in folders:
+            os.chdir(here / folder)
+            package = _Built(here, here / folder)
+            if package.name in names:
+                raise Unbuildable(f"two packages are called {package.name}: colcon builds neither")
+            names.add(package.name)
+            files |= package.install()
+            executables += package.executables(files)
+            if PurePosixPath(launch).is_relative_to(folder or "."):
+                owner = package.name
+        os.chdir(here)
+        if launch:
+            shared = [place for place, source in files.items() if source == launch]
+            place = next((each for each in shared if each.startswith("share/")), launch)
+            having = frozenset(each.package for each in executables)
+            started, notes = launch_files.read(place, owner, having)
+        if launch and owner and not shared:
             notes.append(
                 f"{launch} by `data_files`: `ros2 launch` does not find it, though it runs here"
             )
     except (Unbuildable, launch_files.Unknown) as error:
-        return PackageRead(sendable(str(error)))
+        return PackageRead(sendable(str(error).replace(place, launch)))
     except BaseException as error:  # students' files may raise anything
-        return PackageRead(sendable(_said(error, here)))
+        return PackageRead(sendable(_said(error, here).replace(place, launch)))
     return PackageRead(
-        files=found,
-        executables=tuple(package.executables()),
-        launched=tuple(Launched(each.executable, each.arguments) for each in launched),
+        files=files,
+        executables=tuple(executables),
+        launched=tuple(
+            Launched(s.executable, s.arguments, s.package, s.needed, s.node, s.made)
+            for s in started
+        ),
         notes=tuple(map(sendable, notes)),
     )
 
@@ -66,15 +93,16 @@ def read(launch: str) -> PackageRead:
 class _Built:
     """A package as its setup describes it."""
 
-    def __init__(self, here: Path, settings: Mapping[str, Any]) -> None:
+    def __init__(self, root: Path, here: Path) -> None:
         self.name = _name(here)
-        self._here = here
-        self._settings = settings
+        self._root, self._here = root, here
+        self._settings = _settings(here, self.name)
         self._files: dict[str, str] = {}  # what is installed: its place, its source
 
     def install(self) -> dict[str, str]:
         """Return what is installed where; lay what is shared there, for launch files."""
-        for package in self._settings.get("packages") or _found_packages(self._here):
+        packages = self._settings.get("packages")
+        for package in _found_packages(self._here) if packages is None else packages:
             self._install_package(str(package))
         for module in self._settings.get("py_modules") or ():
             self._add(f"{module}.py".replace(".", "/", module.count(".")), f"{module}.py")
@@ -86,13 +114,14 @@ class _Built:
         if marker not in self._files:  # colcon makes it, and warns
             self._add(marker, "package.xml")
         for place, source in self._files.items():
-            if place.startswith("share/") and not Path(place).exists():
-                Path(place).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(source, place)
+            target = self._root / place
+            if place.startswith("share/") and not target.exists():
+                target.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(self._root / source, target)
         return self._files
 
-    def executables(self) -> list[Executable]:
-        """Return what `ros2 run` can start."""
+    def executables(self, files: dict[str, str]) -> list[Executable]:
+        """Return what `ros2 run` can start; add scripts to the files that are installed."""
         entries = self._settings.get("entry_points") or {}
         if isinstance(entries, str):
             parser = _ini()
@@ -107,11 +136,13 @@ class _Built:
         for line in lines:
             if match := ENTRY.fullmatch(str(line)):
                 name, module, function = match.groups()
-                found.append(Executable(name, self._file_of(module), f"{module}:{function}"))
+                file, entry = self._file_of(module), f"{module}:{function}"
+                found.append(Executable(name, file, entry, self.name))
         for script in self._settings.get("scripts") or ():
             place = f"lib/{self.name}/{PurePosixPath(str(script)).name}"
             self._add(place, str(script))
-            found.append(Executable(PurePosixPath(place).name, place, ""))
+            found.append(Executable(PurePosixPath(place).name, place, "", self.name))
+        files |= self._files
         return found
 
     def _file_of(self, module: str) -> str:
@@ -130,7 +161,7 @@ class _Built:
             for file in sorted(folder.glob(pattern)):
                 if file.is_file():
                     inside = file.relative_to(folder).as_posix()
-                    self._add(f"{place}/{inside}", file.relative_to(self._here).as_posix())
+                    self._add(f"{place}/{inside}", str(file))
 
     def _folder_of(self, package: str) -> Path:
         """Return where a package's modules lie, as setuptools looks for it."""
@@ -163,7 +194,7 @@ class _Built:
         place = PurePosixPath(place).as_posix()
         if place.startswith("/") or ".." in PurePosixPath(place).parts:
             raise Unbuildable(f"{source} is installed into {place}, outside of share")
-        self._files[place] = path.relative_to(self._here).as_posix()
+        self._files[place] = path.relative_to(self._root).as_posix()
 
 
 def _name(here: Path) -> str:
@@ -173,9 +204,11 @@ def _name(here: Path) -> str:
     return name.strip()
 
 
-def _settings(here: Path) -> dict[str, Any]:
+def _settings(here: Path, name: str) -> dict[str, Any]:
     """Return what setup.py, setup.cfg and pyproject.toml say; the first that says it counts."""
     found: dict[str, Any] = {}
+    if not any((here / setup).is_file() for setup in SETUPS):
+        return _cmake(here, name)
     for source in (_setup_py, _setup_cfg, _pyproject):
         for key, value in source(here).items():
             if value and key in SETTINGS:
@@ -252,6 +285,27 @@ def _pyproject(here: Path) -> dict[str, Any]:
         },
         "entry_points": {"console_scripts": said.get("project", {}).get("scripts", {})},
     }
+
+
+def _cmake(here: Path, name: str) -> dict[str, Any]:
+    """Return what CMakeLists.txt installs of files that need no building."""
+    text = re.sub("#.*", "", (here / "CMakeLists.txt").read_text("utf-8"))
+    shared: list[tuple[str, list[str]]] = []
+    scripts: list[str] = []
+    for kind, sources, place in INSTALL.findall(text.replace("${PROJECT_NAME}", name)):
+        for source in sources.replace('"', "").split():
+            if kind == "PROGRAMS":
+                scripts.append(source)
+            elif kind == "FILES":
+                shared.append((place, [source]))
+            else:  # with a slash at its end, what is in it
+                above = here / source if source.endswith("/") else (here / source).parent
+                shared += [
+                    (f"{place}/{file.parent.relative_to(above).as_posix()}", [str(file)])
+                    for file in sorted((here / source).rglob("*"))
+                    if file.is_file()
+                ]
+    return {"packages": (), "data_files": shared, "scripts": scripts}
 
 
 def _found_packages(

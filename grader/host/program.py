@@ -11,11 +11,12 @@ import sys
 import threading
 import traceback
 import types
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
+from concurrent.futures import thread as futures
 from pathlib import Path
 
 from . import deaths, hints, imports, randomness
-from .frames import ASKED_TO_END, NO_NODE, ProgramStart, Start
+from .frames import ASKED_TO_END, NO_NODE, Note, ProgramStart, Start
 from .slips import slips
 from .source import compiled
 from .virtual import signals
@@ -65,15 +66,23 @@ def folder_of(program: ProgramStart) -> Path:
 
 
 def _run_one_of_many(session: Session, program: ProgramStart) -> None:
-    """Run one of several programs; when it ends, the trial does.
+    """Run one of several programs; when it ends, the trial does, unless it is spared.
 
     If all have been asked to end, the last does, or the first that raises anything else.
     """
     kind, text, detail = run_file(program, lambda: session.ending)
     as_asked = kind in ("returned", "exited") or text.startswith(ASKED_TO_END)
+    name = Path(program.file).name
     if session.ending and as_asked and session.programs.others():
         return
-    session.end(kind, f"{Path(program.file).name}: {text}", detail)
+    if not session.ending and program.spared and session.programs.go_on():
+        now = max(0, session.kernel.now)
+        session.note(Note("ended", name, program.entry, time=now, more=text))
+        print(detail.partition("\n\n")[2], end="", file=sys.stderr)
+        session.programs.leave()
+        return
+    said = text if session.ending and as_asked else f"{name}: {text}"
+    session.end(kind, said, detail)
     os._exit(0)
 
 
@@ -99,14 +108,15 @@ def run_file(
     main.__file__ = program.file
     sys.modules["__main__"] = main
     try:
-        with _ending(ending):
+        with _ending(ending, pools=not program.spared):
             exec(code, main.__dict__)
     except SystemExit as error:
         return "exited", f"sys.exit({'' if error.code is None else repr(error.code)})", ""
     except BaseException as error:  # students may raise anything
         if not ending():
             atexit._run_exitfuncs()
-        imports.host.leave()
+        if not program.spared:
+            imports.host.leave()
         first = _first(error)
         return "exception", _exception_text(first, program), _detail(first, program)
     return "returned", "the program ran to its end", ""
@@ -125,11 +135,11 @@ def _starter(entry: str) -> str:
 
 
 @contextlib.contextmanager
-def _ending(asked: Callable[[], bool]) -> Iterator[None]:
+def _ending(asked: Callable[[], bool], *, pools: bool) -> Iterator[None]:
     """Do at the end what Python does: let pools go, wait for threads, call exit handlers.
 
     (After an exception Python waits for threads, too. Here one that comes before the program was
-    `asked` to end is reported at once.)
+    `asked` to end is reported at once. And Python lets go the `pools` of all programs, or of none.)
     """
     ended: BaseException | None = None
     try:
@@ -138,21 +148,22 @@ def _ending(asked: Callable[[], bool]) -> Iterator[None]:
         if not isinstance(error, SystemExit) and not asked():
             raise
         ended = error
-    for let_go in reversed(threading._threading_atexits):  # type: ignore[attr-defined]
+    pools = pools or asked()
+    for let_go in reversed(threading._threading_atexits if pools else ()):  # type: ignore[attr-defined]
         let_go()
-    _join_threads()
+    _join_threads(() if pools else futures._threads_queues)
     atexit._run_exitfuncs()
     if ended is not None:
         raise ended
 
 
-def _join_threads() -> None:
-    """Wait for the threads of this program that are not daemons."""
+def _join_threads(but: Collection[threading.Thread]) -> None:
+    """Wait for the threads of this program that are not daemons, but for some."""
     own = getattr(threading.current_thread(), "_virtual", None)
     program = own.program if own else None
     for thread in threading.enumerate():
         other = getattr(thread, "_virtual", None)
-        if thread is threading.current_thread() or thread.daemon:
+        if thread is threading.current_thread() or thread.daemon or thread in but:
             continue
         if own is None or (other is not None and other.program is program):
             thread.join()

@@ -2,7 +2,7 @@
 
 from grader.recording.costs import Costs, account_of, costs_of
 from grader.recording.deaths import Death, death_of
-from grader.recording.growth import ENDS, growth_of, made_again, rise_of
+from grader.recording.growth import ENDS, ended_of, growth_of, made_again, rise_of
 from grader.recording.inferences import Inference
 from grader.recording.recording import (
     COMPLETED,
@@ -39,6 +39,7 @@ __all__ = [
     "account_of",
     "costs_of",
     "death_of",
+    "ended_of",
     "growth_of",
     "made_again",
     "rise_of",

@@ -121,6 +121,16 @@ def _said(note: Note, recording: Recording) -> str:
     return ""
 
 
+def ended_of(recording: Recording) -> list[str]:
+    """Say which of several programs ended while the others went on, a sentence each."""
+    return [
+        f"{note.about}{f' ({note.line})' if note.line else ''} ended at {note.time / 1e9:.1f} s: "
+        f"{note.more}; the other programs went on"
+        for note in recording.notes
+        if note.kind == "ended"
+    ]
+
+
 def growth_of(recording: Recording) -> list[str]:
     """Say what grew in a trial, a sentence each."""
     said = [said for note in recording.notes if (said := _said(note, recording))]

@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 
 from grader.course.beside import MAX_FILES, PYTHON, listed, may_come
 from grader.course.submission import LAUNCH, Package, Program, Submission, read_regular_file
-from grader.host.frames import Executable, PackageRead, ReadPackage
+from grader.host.frames import Executable, Launched, PackageRead, ReadPackage
 from grader.link.exchange import HostDied, HostForged, HostHung
 from grader.link.launcher import Launcher
 from grader.link.workplace import Excess
@@ -34,7 +34,7 @@ def unpacked(submission: Submission, launcher: Launcher) -> Submission:
         launch = _launch_file(submission.beside, Path(package.main).stem)
     try:
         with submission.folder() as folder, launcher.host(folder) as link:
-            answer, _ = link.ask(ReadPackage(launch), LIMIT)
+            answer, _ = link.ask(ReadPackage(launch, package.folders), LIMIT)
         if not isinstance(answer, PackageRead):
             raise HostForged("no package")
     except (HostHung, HostDied, HostForged, Excess) as error:
@@ -75,23 +75,33 @@ def _with_programs(
     }
     data = {name: path for name, path in there.items() if not name.endswith(PYTHON)}
     files = {**data, **installed}
-    words = [word for each in answer.launched for word in each.arguments]
+    words = [w for each in answer.launched for w in (*each.arguments, *each.made.values())]
     if sum(len(word.encode()) for word in words) > MAX_ARGUMENTS:
         return replace(submission, problem=f"{launch} gives more arguments than a program can have")
     above = {str(each) for place in files for each in PurePosixPath(place).parents}
     if clash := sorted(above & files.keys()):
         return replace(submission, problem=f"{clash[0]} would be a file and a folder")
-    known = {each.name: each for each in answer.executables}
+    known = {_title(each.package, each.name, answer): each for each in answer.executables}
     every = tuple(Program(e.file, e.entry) for e in known.values() if e.file in installed)
     try:
         if launch:
-            chosen = [(known[each.executable], each.arguments) for each in answer.launched]
+            titles = [_title(each.package, each.executable, answer) for each in answer.launched]
+            chosen = [known[title] for title in titles]
         else:
-            named = there.get(package.start)
-            chosen = [(_executable(known, package, named, installed), ())]
-        if broken := [each for each, _ in chosen if each.file not in installed]:
+            chosen = [_executable(known, package, there.get(package.start), installed)]
+        if broken := [each for each in chosen if each.file not in installed]:
             raise LookupError(broken[0].entry)
-        programs = tuple(Program(each.file, each.entry, words) for each, words in chosen)
+        programs = tuple(
+            Program(
+                each.file,
+                each.entry,
+                told.arguments,
+                told.needed or bool(package.main and each.file.endswith(f"/{package.main}")),
+                told.node,
+                tuple(told.made.items()),
+            )
+            for each, told in zip(chosen, answer.launched or [Launched("", ())], strict=True)
+        )
     except LookupError as error:
         return replace(submission, problem=_no_program(error, answer, launch, there))
     main = next((p for p in programs if p.file.endswith(f"/{package.main}")), programs[0])
@@ -115,15 +125,17 @@ def _executable(
     Raises LookupError: there is none.
     """
     every = list(known.values())
-    if start is not None:
-        every = [each for each in every if installed.get(each.file) == start]
+    if package.start:
+        every = [e for e in every if start and installed.get(e.file) == start] or [
+            e for e in every if e.name == package.start
+        ]
         wanted = package.start
     else:
         wanted = package.main
         stem = Path(wanted).stem
         mine = [e for e in every if PurePosixPath(e.file).name == wanted or e.name == stem]
-        every = mine or every
-    if (start is None and len(every) != 1) or not every:
+        every, wanted = mine or every, wanted if len(mine) < 2 else ""
+    if (not package.start and len(every) != 1) or not every:
         raise LookupError(wanted)
     return every[0]
 
@@ -133,7 +145,7 @@ def _no_program(
 ) -> str:
     """Say that what is to be started is not there, and what is."""
     wanted = str(error.args[0])
-    if wanted in (each.entry for each in answer.executables):
+    if wanted and wanted in (each.entry for each in answer.executables):
         said = f"the entry point {wanted} leads to no module that the package installs"
         file = PurePosixPath(f"{wanted.partition(':')[0].replace('.', '/')}.py")
         if str(file) not in there:
@@ -146,15 +158,23 @@ def _no_program(
             "the package has no entry point, so there is no program to start: name one in setup.py "
             "(entry_points, console_scripts)"
         )
-    names = listed([each.name for each in answer.executables])
+    names = listed([_title(each.package, each.name, answer) for each in answer.executables])
     if launch:
         return f"{launch} starts {wanted}, but the package's entry points are: {names}"
     if not wanted:
+        launches = [name for name in there if name.endswith(LAUNCH)]
+        also = f"a launch file ({listed(launches)}), or " if launches else ""
         return (
-            f"which program is to be started? The package's entry points are: {names}; give "
-            "`course` the file of one, or a launch file in Python, which alone is read here"
+            f"which program is to be started? Give `course` {also}an entry point as "
+            f"PACKAGE_FOLDER/NAME ({names}); of launch files only those in Python are read here"
         )
     return f"no entry point of the package leads to {wanted}; setup.py has: {names}"
+
+
+def _title(package: str, name: str, answer: PackageRead) -> str:
+    """Return how a program is named: with its package, if there are several."""
+    several = len({each.package for each in answer.executables}) > 1
+    return f"{package} {name}" if several else name
 
 
 def _is_inside(place: str) -> bool:

@@ -14,7 +14,7 @@ from pathlib import Path
 import msgspec
 
 from grader.course.submission import Submission
-from grader.host.frames import Delivery
+from grader.host.frames import MAX_NAME, Delivery, Note
 from grader.host.sandbox.users import priority
 from grader.link import real_clock
 from grader.link.domains import own_domain
@@ -37,7 +37,7 @@ from grader.trial.endings import (
 )
 from grader.trial.exclusive import TRIAL_LOCK
 from grader.trial.hangs import located
-from grader.trial.real_time_hosts import HUNG_AT_START, TURN, LiveHosts, NotReady, Over
+from grader.trial.real_time_hosts import HUNG_AT_START, TURN, LiveHosts, NotReady, Over, Program
 from grader.trial.recorder import Command, Flood, Recorder
 from grader.trial.staging import Stage, stage
 from grader.trial.stalls import AnswerRate
@@ -108,6 +108,10 @@ def _longest_stall(scenario: Scenario) -> float:
     return min(STALL, STALL_SHARE / scan_rate(scenario))
 
 
+def _text_of_end(program: Program) -> str:
+    return program.ended.text if program.ended else died_text(program.host.wait(GRACE))
+
+
 class _LiveTrial:
     """A trial under way."""
 
@@ -153,6 +157,12 @@ class _LiveTrial:
             self._starved = max(self._starved, hosts.still_wait())
             log = [line for program in hosts.programs for line in program.link.log()]
             output = [o for p in hosts.programs for o in (p.link.stdout, p.link.stderr)]
+            for program in hosts.programs:
+                if program.left is not None:
+                    file, entry = Path(program.start.file).name, program.start.entry
+                    said = _text_of_end(program)[:MAX_NAME]
+                    note = Note("ended", file, entry, time=program.left, more=said)
+                    self._recorder.note([note])
         self._recorder.note_endpoints(hosts.endpoints)
         limit = _longest_stall(self._simulation.scenario)
         if self._lateness > limit:
@@ -237,7 +247,7 @@ class _LiveTrial:
         if not any(program.pulse.spinning for program in programs):
             return self._outcome("never_spun", NEVER_SPUN, programs[0].link.stacks())
         for program in programs:
-            if program.start.stop is not None:
+            if program.start.stop is not None or program.over:
                 continue
             if program.pulse.busy > self._hung_after:
                 return self._outcome("hung", HUNG, program.link.stacks())
@@ -248,12 +258,11 @@ class _LiveTrial:
         reached = max(self.hosts.now(), self._simulation.now)
         with contextlib.suppress(HostForged, Flood, TooManyQuestions):
             roll_on(self._simulation, min(reached, self._simulation.end), self._take_heard())
-        program = next(p for p in self.hosts.programs if p.ended or p.link.gone)
+        program = next(p for p in self.hosts.programs if p.over and p.left is None)
         name = f"{Path(program.start.file).name}: " if len(self._stage.programs) > 1 else ""
-        if program.ended is None:
-            return self._outcome("died", name + died_text(program.host.wait(GRACE)))
-        end = program.ended
-        return self._outcome(end.kind, name + end.text, end.detail)
+        detail = program.ended.detail if program.ended else ""
+        kind = program.ended.kind if program.ended else "died"
+        return self._outcome(kind, name + _text_of_end(program), detail)
 
     def _outcome(self, kind: str, text: str, detail: str = "") -> Outcome:
         return Outcome(kind, text, min(self.hosts.now(), self._simulation.end) / 1e9, detail)

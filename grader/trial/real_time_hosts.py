@@ -125,12 +125,18 @@ class Program:
     pulse: Pulse = field(default_factory=lambda: Pulse(0, 0.0, [], {}))
     topics: set[str] = field(default_factory=set)  # that it publishes on
     ended: Ended | None = None
+    left: int | None = None  # [ns] when it ended, while others went on
     idle_since: float = math.inf
     cpu: float = 0.0
 
+    @property
+    def over(self) -> bool:
+        """It has ended, or hung up."""
+        return self.ended is not None or self.link.gone
+
     def ready(self, now: float) -> bool:
         """It spins, has ended, or sleeps so long that it won't spin any more."""
-        if self.ended is not None or self.link.gone or self.pulse.spinning:
+        if self.over or self.pulse.spinning:
             return True
         cpu = self.link.cpu()
         worked = math.isnan(cpu) or cpu - self.cpu >= LEAST_WORK  # NaN: the system doesn't tell
@@ -213,7 +219,7 @@ class LiveHosts:
 
     def measure(self) -> None:
         """Measure from now on how long a host has to wait; a program as soon as it spins."""
-        spinning = (program.host for program in self.programs if program.pulse.spinning)
+        spinning = (p.host for p in self.programs if p.pulse.spinning and not p.over)
         for host in (self._radio_host, *spinning):
             if host.pid not in self._queues:
                 self._queues[host.pid] = queue = RunQueue(host.pid, TURN)
@@ -244,8 +250,11 @@ class LiveHosts:
         while not self._all_met():
             self.listen(TURN)
             if real_clock.monotonic() > limit:
+                if any(program.over for program in self.programs):
+                    break  # its ends will never be met
                 raise TimeoutError("DDS did not bring the node and the robot together in time")
-        for host in (self._radio_host, *(program.host for program in self.programs)):
+        alive = (program.host for program in self.programs if not program.over)
+        for host in (self._radio_host, *alive):
             prefer(host.pid)
         self.epoch = real_clock.time_ns()
         self._models.begin(real_clock.monotonic_ns())
@@ -362,8 +371,16 @@ class LiveHosts:
                 case Ended():
                     program.ended = frame
         stopped = program.start.stop is not None and program.start.stop <= self.now()
-        if (program.ended or program.link.gone) and not stopped:
+        if program.over and not stopped and not self._others_go_on(program):
             raise Over
+
+    def _others_go_on(self, program: Program) -> bool:
+        """Return whether a program that has ended was one of several that are spared."""
+        if not program.start.spared:
+            return False
+        if program.left is None and any(p.start.spared and not p.over for p in self.programs):
+            program.left = self.now()
+        return program.left is not None
 
     def _counts(self, published: Published) -> bool:
         """Return whether a message is worth noting.

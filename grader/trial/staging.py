@@ -6,6 +6,7 @@ import contextlib
 import shutil
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from grader.course.submission import Program, Submission
@@ -14,6 +15,7 @@ from grader.models.files import write_models
 from sim.messages import LATCHED, OFFERED, SENSORS
 from sim.scenario import ProgramSpec, Scenario
 
+FIRST = "course_"  # before the name of a launch file's parameters: what goes before them
 # programs of ours that run beside students'
 SUPPLIED = Path(__file__).parents[1] / "host" / "supplied"
 
@@ -35,8 +37,12 @@ def stage(
     files: Mapping[str, bytes] | None = None,
 ) -> Iterator[Stage]:
     """Lay out a submission for a scenario, in a fresh folder that goes when the block ends."""
-    with submission.folder(without=_ours(scenario, files or {})) as folder:
+    made = dict(each for program in _read_out(submission) for each in program.made)
+    ours = _ours(scenario, {**made, **{FIRST + name: "" for name in made}, **(files or {})})
+    with submission.folder(without=ours) as folder:
         write_models(scenario.node.models, folder)
+        for name, text in made.items():
+            (folder / name).write_text(text, "utf-8")
         for name, content in (files or {}).items():
             (folder / name).write_bytes(content)
         programs = _programs(scenario, submission, folder, arguments)
@@ -80,14 +86,35 @@ def _programs(
         ProgramStart(
             file=str(folder / program.file),
             entry=program.entry,
-            arguments=(*program.arguments, *common, *spec.arguments),
+            arguments=(*program.arguments, *_first(common, program, folder), *spec.arguments),
             start=round(spec.start * 1e9),
             stop=None if spec.stop is None else round(spec.stop * 1e9),
             hides=scenario.node.hides,
+            spared=len(group) > 1 and not program.needed,
         )
         for spec in scenario.program or (ProgramSpec(),)
-        for program in ([Program(spec.file)] if spec.supplied else submission.started(spec.file))
+        for group in [[Program(spec.file)] if spec.supplied else submission.started(spec.file)]
+        for program in group
     )
+
+
+def _read_out(submission: Submission) -> tuple[Program, ...]:
+    return submission.package.programs if submission.package else ()
+
+
+def _first(words: Sequence[str], program: Program, folder: Path) -> tuple[str, ...]:
+    """Return words with parameters so that they go before those of the program's launch file.
+
+    What that says of a node by its full name goes before any `-p NAME:=VALUE`.
+    """
+    given = [word.split(":=", 1) for flag, word in pairwise(words) if flag == "-p"]
+    if not program.made or not given:
+        return tuple(words)
+    file = FIRST + program.made[0][0]
+    lines = [f"    {name}: {value}" for name, value in given]
+    text = "\n".join([f"{program.node}:", "  ros__parameters:", *lines, ""])
+    (folder / file).write_text(text, "utf-8")
+    return (*words, "--params-file", file)
 
 
 def _ours(scenario: Scenario, files: Collection[str]) -> set[str]:

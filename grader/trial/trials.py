@@ -18,7 +18,7 @@ from grader.errors import GraderError, InputError, is_disk_full
 from grader.link import real_clock
 from grader.link.launcher import Launcher
 from grader.models.files import OWN, needed_for
-from grader.recording import Outcome, Recording, bag, growth_of
+from grader.recording import Outcome, Recording, bag, ended_of, growth_of
 from grader.trial.endings import BUSY_WAIT, is_halt, not_run
 from grader.trial.kept import KeptRecordings
 from grader.trial.progress import LEFT_OUT, TRIAL, OnProgress, Step, ignore
@@ -189,10 +189,20 @@ class NodeTrials(Trials):
             *self.submission.account(),
             *self._unsaved,
             *self._left_out(),
+            *self._ended_early(),
             *self._grown(),
             *([SLOW] if self._slow else []),
             *self._after_interrupt(),
         ]
+
+    def _ended_early(self) -> list[str]:
+        """Say which programs ended while others went on, each in the first run that shows it."""
+        first: dict[tuple[str, str, str], str] = {}
+        for run in self.recordings():
+            notes = [note for note in run.notes if note.kind == "ended"]
+            for note, said in zip(notes, ended_of(run), strict=True):
+                first.setdefault((note.about, note.line, note.more), f"In {run.name}, {said}.")
+        return list(first.values())
 
     def _grown(self) -> list[str]:
         """Say what grew, in the one trial that shows the most of it."""

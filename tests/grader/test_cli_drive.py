@@ -71,6 +71,18 @@ def test_goals_parameters_and_seed_of_a_drive(tmp_path: Path) -> None:
     assert f"seed {drive.seed}" in done.out
 
 
+def test_what_cannot_be_started_is_wrong_usage(tmp_path: Path) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>mine</name></package>")
+    entries = "{'console_scripts': ['one = a:main', 'two = a:main']}"
+    setup = f"import setuptools\nsetuptools.setup(py_modules=['a'], entry_points={entries})\n"
+    (tmp_path / "setup.py").write_text(setup)
+    (tmp_path / "a.py").write_text("def main(): print('started')\n")
+    done = course("drive", tmp_path, *SHORT)
+    assert (done.code, done.out) == (2, "")
+    assert "which program is to be started?" in done.err
+    assert "started" in course("drive", tmp_path / "two", *SHORT).out
+
+
 @pytest.mark.long
 def test_a_drive_that_ends_early_says_why(tmp_path: Path) -> None:
     node = tmp_path / "node.py"

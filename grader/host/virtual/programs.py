@@ -9,13 +9,16 @@ program to another; a program that is killed never runs again, and its nodes dis
 
 from __future__ import annotations
 
+import atexit
 import contextlib
+import functools
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import rclpy
 from rclpy import utilities
@@ -45,6 +48,7 @@ class Program:
         self.main: Any = sys.modules["__main__"]
         self.executor: Any = None
         self.modules: dict[str, Any] = {}  # that it has imported from the students' files
+        self.exits: list[functools.partial[object]] = []  # what it has registered with atexit
 
 
 class Programs:
@@ -62,7 +66,8 @@ class Programs:
     def supervise(self) -> None:
         """Do what is to be done, each at its time; never returns."""
         kernel = self._kernel
-        kernel.me().program = kernel.program = self._host
+        self._supervisor = kernel.me()
+        self._supervisor.program = kernel.program = self._host
         self._install()
         never = max(p.start.stop or 0 for p in self._programs) + 1
         plan = [(p.start.start, i, self._start, p) for i, p in enumerate(self._programs)]
@@ -83,6 +88,17 @@ class Programs:
     def others(self) -> bool:
         """Return whether programs run besides the calling one."""
         return any(program is not self._kernel.program for program in self._alive())
+
+    def go_on(self) -> bool:
+        """Return whether others run, or will, that are spared as the calling one is."""
+        alive = (*self._alive(), *(p for p in self._programs if p.signals and not p.signals.main))
+        return any(p.start.spared and p is not self._kernel.program for p in alive)
+
+    def leave(self) -> None:
+        """End the calling program, its other threads and its nodes; the others go on."""
+        program: Any = self._kernel.program
+        self._supervisor.program = self._host  # it may be about to start this very program
+        self._kill(program)
 
     def _alive(self) -> list[Program]:
         mains = ((p, p.signals.main) for p in self._programs if p.signals and not p.killed)
@@ -148,6 +164,7 @@ class Programs:
         cls.init, cls.ok, cls.shutdown, cls.try_shutdown = init, ok, shutdown, try_shutdown
         signals.install(lambda: kernel.program.signals)  # type: ignore[attr-defined]
         self._install_nodes()
+        self._install_exits()
 
     def _install_nodes(self) -> None:
         kernel = self._kernel
@@ -164,6 +181,29 @@ class Programs:
                 program.nodes.append(self)
 
         cls.__init__ = created
+
+    def _install_exits(self) -> None:
+        """Let each program have exit handlers of its own."""
+        kernel, module = self._kernel, cast("Any", atexit)
+
+        def exits() -> list[functools.partial[object]]:
+            return kernel.program.exits  # type: ignore[attr-defined,no-any-return]
+
+        def register(function: Any, *args: Any, **kwargs: Any) -> Any:
+            exits().append(functools.partial(function, *args, **kwargs))
+            return function
+
+        def unregister(function: Any) -> None:
+            exits()[:] = [each for each in exits() if each.func != function]
+
+        def run() -> None:
+            while exits():
+                try:
+                    exits().pop()()
+                except Exception:  # Python says so, too, and goes on
+                    traceback.print_exc()
+
+        module.register, module.unregister, module._run_exitfuncs = register, unregister, run
 
 
 def _modules_here() -> list[str]:

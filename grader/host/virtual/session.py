@@ -75,7 +75,7 @@ class Session(kernel_module.World):
         if isinstance(frame, ReadPackage):
             from .. import packages  # noqa: PLC0415  (few hosts need it)
 
-            self._wire.send(packages.read(frame.launch))
+            self._wire.send(packages.read(frame.launch, frame.folders))
             frame = self._wire.receive()
         if not isinstance(frame, Start):
             raise ValueError("the first frame must say what to run")

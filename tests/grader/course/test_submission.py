@@ -252,10 +252,12 @@ def test_the_catalogues_of_a_solution_of_the_courses_own_stay_behind() -> None:
     assert find_submission(folder / "obstacle_avoidance_agent.py").account() == []
 
 
-def test_of_several_packages_one_has_to_be_named(tmp_path: Path) -> None:
+def test_several_packages_are_a_workspace(tmp_path: Path) -> None:
     for name in ("one", "two"):
         (tmp_path / "src" / name).mkdir(parents=True)
         (tmp_path / "src" / name / "package.xml").write_text("<package/>")
         (tmp_path / "src" / name / "setup.py").write_text("")
-    assert "there are src/one, src/two" in refused(tmp_path, "agent.py")
-    assert find_submission(tmp_path / "src" / "one").package is not None
+    for given, folders in (("", ("src/one", "src/two")), ("src/one", ("",))):
+        package = find_submission(tmp_path / given, "agent.py").package
+        assert package is not None
+        assert package.folders == folders

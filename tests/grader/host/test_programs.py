@@ -4,11 +4,12 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
+import pytest
 from node_runs import PREAMBLE, short
 
-from grader.course.submission import Submission
+from grader.course.submission import Package, Program, Submission
 from grader.link.hosts import ForkServer
-from grader.recording import Recording
+from grader.recording import Recording, ended_of
 from grader.trial.virtual_time import run_trial
 from sim.scenario import ProgramSpec
 
@@ -143,3 +144,66 @@ def test_shutdown_is_a_programs_own(forkserver: ForkServer, tmp_path: Path) -> N
 
     assert recording.outcome.completed
     assert [line.text for line in recording.log if line.level == "stdout"] == ["ok is False"]
+
+
+SPARE = "{what}\nclass Spare(Node): pass\nrclpy.init()\nSpare('spare')\n{how}\n"
+ENDS = {
+    "returns": ("", "", "spare.py ended at 0.0 s: the program ran to its end;"),
+    "raises": ("", "time.sleep(0.5)\n1 / 0", "spare.py ended at 0.5 s: ZeroDivisionError: div"),
+    "cannot be read": ("def (:", "", "spare.py ended at 0.0 s: SyntaxError"),
+    "leaves its threads": (
+        "import atexit, concurrent.futures as futures",
+        "atexit.register(print, 'bye')\n"
+        "pool = futures.ThreadPoolExecutor()\npool.submit(print, 'hi').result()\n"
+        "threading.Thread(target=time.sleep, args=(100,), daemon=True).start()",
+        "spare.py ended at 0.0 s",
+    ),
+}  # fmt: skip
+STAYS = """
+import atexit
+from concurrent.futures import ThreadPoolExecutor
+atexit.register(print, 'never')
+class Stays(Echo):
+    def __init__(self):
+        super().__init__()
+        self.pool = ThreadPoolExecutor()
+        self.create_timer(0.8, self.on_timer)
+    def on_timer(self):
+        self.pool.submit(print, self.get_node_names(), self.count_publishers('/cmd_vel')).result()
+rclpy.init()
+rclpy.spin(Stays())
+"""
+
+
+def launched(folder: Path, **sources: str) -> Submission:
+    """Return a package whose programs start together, as a launch file has them."""
+    for name, source in sources.items():
+        (folder / f"{name}.py").write_text(PREAMBLE + source)
+    files = {f"{name}.py": folder / f"{name}.py" for name in sources}
+    package = Package(programs=tuple(map(Program, files)))
+    return Submission(next(iter(files.values())), beside=files, package=package)
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_one_of_several_that_ends_leaves_the_others_alone(
+    name: str, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    what, how, said = ENDS[name]
+    submission = launched(tmp_path, stays=STAYS, spare=SPARE.format(what=what, how=how))
+    recording = run_trial(submission, short(1.0), forkserver)
+
+    assert recording.outcome.completed, recording.outcome
+    (note,) = ended_of(recording)
+    assert note.startswith(said), note
+    assert len(recording.twists().t) == 10
+    words = [line.text for line in recording.log if line.level == "stdout"]
+    assert words[-1] == "['echo', 'mock_robot'] 1"
+    assert words[:-1] == (["hi", "bye"] if "bye" in how else [])
+    assert ("1 / 0" in how) == any(line.text.startswith("ZeroDiv") for line in recording.log)
+
+
+def test_the_last_of_several_ends_the_trial(forkserver: ForkServer, tmp_path: Path) -> None:
+    submission = launched(tmp_path, one="time.sleep(0.5)", two="")
+    recording = run_trial(submission, short(1.0), forkserver)
+    assert (recording.outcome.kind, recording.outcome.at) == ("returned", 0.5)
+    assert recording.outcome.text.startswith("one.py: ")

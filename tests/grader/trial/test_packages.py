@@ -11,6 +11,7 @@ import pytest
 from node_runs import short
 
 from grader.course.submission import Package, Submission, find_submission
+from grader.errors import InputError
 from grader.host.frames import Executable, Launched, PackageRead
 from grader.link.hosts import ForkServer
 from grader.recording import Recording
@@ -163,7 +164,135 @@ def test_a_setup_reads_its_manual_and_a_namespace_needs_no_slash(
     assert submission.left[-1].startswith("a.launch.py by `data_files`")
 
 
-@pytest.mark.parametrize("given", ["", "mine/two.py"])
+GROUPED = """
+    from launch import LaunchDescription
+    from launch.actions import (DeclareLaunchArgument, GroupAction, IncludeLaunchDescription,
+                                LogInfo, OpaqueFunction, Shutdown)
+    from launch.conditions import IfCondition, UnlessCondition
+    from launch.launch_description_sources import PythonLaunchDescriptionSource
+    from launch.substitutions import LaunchConfiguration, ThisLaunchFileDir
+    from launch_ros.actions import Node, PushRosNamespace, SetParameter
+    from launch_ros.parameter_descriptions import ParameterValue
+
+    def generate_launch_description():
+        sim, here = LaunchConfiguration("sim"), [ThisLaunchFileDir(), "/inner.launch.py"]
+        return LaunchDescription([
+            DeclareLaunchArgument("sim", default_value="True"), LogInfo(msg=["sim ", sim]),
+            GroupAction([
+                PushRosNamespace("bot"), SetParameter(name="word", value="w7"),
+                Node(package="mine", executable="one", condition=IfCondition(sim))]),
+            Node(package="mine", executable="one", condition=UnlessCondition(sim)),
+            GroupAction([
+                IncludeLaunchDescription(PythonLaunchDescriptionSource(here),
+                                         launch_arguments={"word": "5"}.items())]),
+            Node(package="mine", executable="one", name="first", namespace="", arguments=["-x"],
+                 on_exit=Shutdown(),
+                 parameters=["config/p.yaml",
+                             {"word": ParameterValue(LaunchConfiguration("word", default="3"),
+                                                     value_type=str)}])])
+    """
+
+
+def test_actions_of_launch_files_mean_what_they_mean_to_ros2_launch(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    node = NODE.replace("get_name", "get_fully_qualified_name").replace(
+        "print(__name__", "import sys; print(sys.argv[1:2] == ['-x']"
+    )
+    files = {**MINE, "mine/one.py": node, "launch/inner.launch.py": INNER}
+    files |= {f"{name}launch_params_1.yaml/theirs": "" for name in ("", "course_")}
+    lay(
+        tmp_path,
+        {
+            **files,
+            "launch/all.launch.py": GROUPED,
+            "config/p.yaml": """
+        /first: {ros__parameters: {word: file}}""",
+        },
+    )
+    submission = unpacked(find_submission(tmp_path), forkserver)
+    assert said(drive(submission, forkserver)) == [
+        "False /bot/node w7 1", "mine.two node n5 1", "True /first 3 1"
+    ]  # fmt: skip
+    assert [program.needed for program in submission.started()] == [False, False, True]
+    asked = drive(submission, forkserver, arguments=("--ros-args", "-p", "word:=mine"))
+    assert said(asked)[2] == "True /first mine 1"
+
+
+CMAKE = """
+    project(bringup)  # install(FILES none DESTINATION share)
+    install(DIRECTORY launch config/ DESTINATION share/${PROJECT_NAME})
+    install(PROGRAMS tools/extra.py DESTINATION lib/${PROJECT_NAME})
+    """
+WORKSPACE = {
+    **{f"src/mine/{name}": text for name, text in MINE.items()},
+    "src/bringup/package.xml": "<package><name>bringup</name></package>",
+    "src/bringup/CMakeLists.txt": CMAKE,
+    "src/bringup/config/q.yaml": "/**: {ros__parameters: {word: brought}}",
+    "src/bringup/tools/extra.py": "print('extra')",
+}
+BRINGUP = """
+    from ament_index_python.packages import get_package_share_directory
+    from launch import LaunchDescription
+    from launch_ros.actions import Node
+
+    def generate_launch_description():
+        file = get_package_share_directory("bringup") + "/q.yaml"
+        return LaunchDescription([
+            Node(package="bringup", executable="extra.py"),
+            Node(package="cartographer_ros", executable="cartographer"),
+            Node(package="mine", executable="two", parameters=[file])])
+    """
+
+
+@pytest.mark.parametrize(
+    ("launch", "given"),
+    [
+        ("src/bringup/launch/a.launch.py", "."),
+        ("src/bringup/launch/a.launch.py", "src/bringup/launch/a.launch.py"),
+        ("src/a.launch.py", "src/a.launch.py"),
+    ],
+)
+def test_a_launch_file_starts_nodes_of_other_packages(
+    launch: str, given: str, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    lay(tmp_path, {**WORKSPACE, launch: BRINGUP})
+    submission = unpacked(find_submission(tmp_path / given), forkserver)
+    assert said(drive(submission, forkserver)) == ["extra", "mine.two node brought 1"]
+    assert submission.left[0].startswith("cartographer of the package cartographer_ros")
+
+
+def test_a_workspace_is_asked_for_what_to_start(forkserver: ForkServer, tmp_path: Path) -> None:
+    launches = {f"src/bringup/launch/{name}.launch.py": BRINGUP for name in ("a", "b")}
+    submission = unpacked(find_submission(lay(tmp_path, WORKSPACE | launches)), forkserver)
+    assert "NAME (bringup extra.py, mine one, mine two)" in submission.problem
+    assert all(name in submission.problem for name in launches)
+
+
+def test_of_two_packages_with_the_exercises_file_one_is_named(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    again = {f"src/again/{name}": text.replace("mine", "again") for name, text in MINE.items()}
+    again |= {f"src/again/again/{name}.py": NODE for name in ("__init__", "two")}
+    submission = find_submission(lay(tmp_path, WORKSPACE | again), "two.py")
+    assert "again two, " in unpacked(submission, forkserver).problem
+    lay(tmp_path, {"src/again/package.xml": XML})
+    assert "two packages are called mine" in unpacked(submission, forkserver).problem
+
+
+def test_a_launch_file_of_no_package_is_refused(tmp_path: Path) -> None:
+    lay(
+        tmp_path, {"a.launch.py": BRINGUP, "node.py": NODE, **WORKSPACE, "src/b.launch.py": BRINGUP}
+    )
+    for given, expected in (("a.launch.py", "two.py"), ("src/b.launch.py", "two.py")):
+        with pytest.raises(InputError, match="expected a launch file in a package"):
+            find_submission(tmp_path / given, expected)
+    (tmp_path / "src" / "mine" / "setup.py").unlink()
+    with pytest.raises(InputError, match="expected a launch file in a package"):
+        find_submission(tmp_path / "src" / "b.launch.py")
+
+
+@pytest.mark.parametrize("given", ["", "mine/two.py", "two"])
 def test_without_a_launch_file_the_program_that_is_meant(
     given: str, forkserver: ForkServer, tmp_path: Path
 ) -> None:
@@ -233,16 +362,16 @@ BROKEN = {
             "parameters=[", "parameters=['share/mine/c.yaml', ")},
         "`data_files` in setup.py has to install",
     ),
-    "which": ({}, "entry points are: one, two"),
+    "which": ({}, "an entry point as PACKAGE_FOLDER/NAME (one, two)"),
     "unknown": (
-        {"a.launch.py": "from launch.actions import ExecuteProcess"},
+        {"a.launch.py": "from launch.actions import ExecuteProcess\nExecuteProcess(cmd=['ls'])"},
         "launch.actions.ExecuteProcess is not known here",
     ),
     "condition": (
         {"a.launch.py": INNER.replace('package="mine"', 'package="mine", condition=1')},
-        "Node(condition=…) is not known here",
+        "condition=… takes IfCondition(…)",
     ),
-    "no default": ({"a.launch.py": INNER}, "word needs a default"),
+    "no default": ({"a.launch.py": INNER}, "'word' needs a default"),
     "other package": (
         {"a.launch.py": LAUNCH.replace('directory("mine")', 'directory("nav2_bringup")')},
         "there is no package nav2_bringup here",

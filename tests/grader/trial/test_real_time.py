@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from node_runs import PREAMBLE, short
 
-from grader.course.submission import Submission
+from grader.course.submission import Package, Program, Submission
 from grader.host.real_time.robot import _moment
 from grader.host.robot_ends import Heard
 from grader.link.hosts import ForkServer
-from grader.recording import Recording, bag
+from grader.recording import Recording, bag, ended_of
 from grader.trial.real_time import run_live_trial
 from grader.trial.real_time_hosts import LiveHosts
 from sim.messages import EPOCH_NS, STRING, decode
@@ -179,6 +179,22 @@ def test_each_of_several_programs_has_a_start_up_of_its_own(
     beats = [int(decode(message.data, STRING).data) for message in recording.of("/beat")]
     assert np.count_nonzero(recording.times("/beat") == 0.0) <= 1
     assert beats == list(range(beats[0], beats[0] + len(beats)))
+
+
+def test_one_of_several_that_ends_leaves_the_others_alone(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    sources = {"stays.py": "rclpy.init(); rclpy.spin(Echo())", "spare.py": "rclpy.init(); 1 / 0"}
+    for name, source in sources.items():
+        (tmp_path / name).write_text(PREAMBLE + source)
+    files = {name: tmp_path / name for name in sources}
+    package = Package(programs=tuple(map(Program, files)))
+    submission = Submission(files["stays.py"], beside=files, package=package)
+    recording = run_live_trial(submission, short(0.5), forkserver)
+
+    assert recording.outcome.completed, recording.outcome
+    (said,) = ended_of(recording)
+    assert said.startswith("spare.py ended at 0.0 s: ZeroDivisionError")
 
 
 def test_two_trials_at_once_do_not_hear_each_other(run_live: RunLive) -> None:
