@@ -68,6 +68,9 @@ class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     launch: Launch = Launch()
     best: dict[str, tuple[float, float, float]] = {}  # the reference's drives: see grading/best.py
 
+    def __hash__(self) -> int:
+        return hash(self.slug)
+
     @property
     def folder(self) -> Path:
         """The folder that students get."""

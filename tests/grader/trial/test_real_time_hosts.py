@@ -63,7 +63,7 @@ def program(spun: int, *topics: str) -> Any:
     pulse = Pulse(spun, 0.0, [], {})
     quiet = SimpleNamespace(note_time=lambda now: None, hear=list, gone=False)
     start = SimpleNamespace(stop=None)
-    return SimpleNamespace(pulse=pulse, topics=set(topics), link=quiet, start=start, ended=None)
+    return SimpleNamespace(pulse=pulse, topics=set(topics), link=quiet, start=start, over=False)
 
 
 def heard(hosts: LiveHosts, *messages: Published) -> list[Published]:
