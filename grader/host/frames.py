@@ -205,7 +205,7 @@ class Note(msgspec.Struct, array_like=True, frozen=True):
     count: Nanoseconds = 1
     time: Nanoseconds = 0  # [ns] when it began, or the longest of them
     lasted: Nanoseconds = 0  # [ns]
-    more: Name = ""  # a state, a service, what had to wait, how it ended
+    more: Name = ""  # a state, a service, a topic, what had to wait, how it ended
 
 
 Notes = Annotated[list[Note], msgspec.Meta(max_length=MAX_NOTES)]

@@ -1,64 +1,24 @@
 """Read a launch file, with a small stand-in of `launch` and `launch_ros`.
 
 PyPI has no wheels of them. A launch file is a program: it runs here, behind the wall. What it
-starts comes out as command lines; what the stand-in does not know is named in one line.
-
-Source: ros2/launch and ros2/launch_ros, branch jazzy.
+starts comes out as command lines; what the stand-in (`launch_words`) does not know is named in one
+line.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
 import os
-import runpy
 import sys
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-KNOWN = (
-    "Node, ParameterValue, DeclareLaunchArgument, LaunchConfiguration, IncludeLaunchDescription, "
-    "PythonLaunchDescriptionSource, PathJoinSubstitution, FindPackageShare, ThisLaunchFileDir, "
-    "GroupAction, PushRosNamespace, SetParameter, IfCondition, UnlessCondition, LogInfo"
-)
-YES, NO = ("true", "1"), ("false", "0")  # what a condition may say
-WITHOUT_EFFECT = {"output", "emulate_tty", "exec_name", "sigterm_timeout", "sigkill_timeout"}
-MAX_DEPTH = 8  # of launch files that include one another
+from . import launch_words as words
+from .launch_words import KNOWN, Context, Started, Unknown
 
-
-class Unknown(Exception):
-    """A launch file has something that this stand-in does not know, or is wrong."""
-
-
-@dataclass
-class Started:
-    """A node that a launch file starts."""
-
-    package: str
-    executable: str
-    arguments: tuple[str, ...]
-    needed: bool = False  # the others end with it
-    node: str = ""  # its full name, where the launch file gives it
-    made: dict[str, str] = field(default_factory=dict)  # parameter files, for that name
-
-
-@dataclass
-class Context:
-    """What is known while a launch file is read."""
-
-    package: str
-    packages: frozenset[str]
-    values: dict[str, str] = field(default_factory=dict)  # of its arguments
-    namespace: str = ""
-    parameters: tuple[tuple[str, str], ...] = ()  # of all nodes to come
-    file: str = ""  # that is being read
-    started: list[Started] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    made: int = 0  # parameter files
-    depth: int = 0
+__all__ = ["Started", "Unknown", "read", "standing_in"]
 
 
 def read(
@@ -76,7 +36,7 @@ def read(
     os.environ["AMENT_PREFIX_PATH"] = os.pathsep.join(filter(None, paths))
     context = Context(package, packages | {package})
     with standing_in(_modules()):
-        _include(file, context)
+        words.include(file, context)
     if not context.started:
         raise Unknown(f"{file} starts no node of the package {package or ', '.join(packages)}")
     for each in context.started:  # the package lies elsewhere when the nodes run
@@ -99,398 +59,28 @@ def standing_in(modules: Mapping[str, Any]) -> Iterator[None]:
                 sys.modules[name] = module
 
 
-def _include(file: str, context: Context) -> None:
-    if context.depth == MAX_DEPTH:
-        raise Unknown(f"{file}: launch files that include one another without end")
-    context.depth += 1
-    before, context.file = context.file, file
-    if not file.endswith(".py"):
-        raise Unknown(f"{file}: only launch files in Python are read here, not XML or YAML")
-    made = runpy.run_path(file).get("generate_launch_description")
-    if made is None:
-        raise Unknown(f"{file}: expected a function generate_launch_description")
-    _visit(made(), context)
-    context.file = before
-    context.depth -= 1
-
-
-def _visit(entity: Any, context: Context) -> None:
-    if isinstance(entity, LaunchDescription):
-        for each in entity.entities:
-            _visit(each, context)
-    elif isinstance(entity, _Action):
-        if entity.condition is None or entity.condition.holds(context):
-            entity.act(context)
-    else:
-        raise Unknown(f"a launch file has a {type(entity).__name__}; known here are {KNOWN}")
-
-
-# --- what launch files are made of ---------------------------------------------------------------
-
-
-class Substitution:
-    """A text that is known only when the launch file is carried out."""
-
-    def perform(self, context: Context) -> str:
-        """Return the text."""
-        raise NotImplementedError
-
-
-class LaunchConfiguration(Substitution):
-    """The value of an argument."""
-
-    def __init__(self, variable_name: Any, *, default: Any = None) -> None:
-        self._name, self._default = variable_name, default
-
-    def perform(self, context: Context) -> str:
-        """Return it, or the default."""
-        name = _text(self._name, context)
-        if name in context.values:
-            return context.values[name]
-        if self._default is None:
-            raise Unknown(f"launch configuration '{name}' does not exist: declare the argument")
-        return _text(self._default, context)
-
-
-class TextSubstitution(Substitution):
-    """A text."""
-
-    def __init__(self, *, text: str) -> None:
-        self._text = text
-
-    def perform(self, context: Context) -> str:
-        """Return it."""
-        return self._text
-
-
-class PathJoinSubstitution(Substitution):
-    """Parts of a path."""
-
-    def __init__(self, substitutions: Iterable[Any]) -> None:
-        self._parts = list(substitutions)
-
-    def perform(self, context: Context) -> str:
-        """Return the path."""
-        return os.path.join(*(_text(part, context) for part in self._parts))
-
-
-class FindPackageShare(Substitution):
-    """A package's share folder."""
-
-    def __init__(self, package: Any) -> None:
-        self._package = package
-
-    def perform(self, context: Context) -> str:
-        """Return the folder."""
-        from ament_index_python import packages  # noqa: PLC0415  (comes with ROS)
-
-        return str(packages.get_package_share_directory(_text(self._package, context)))
-
-
-class ThisLaunchFileDir(Substitution):
-    """The folder of the launch file that has it."""
-
-    def perform(self, context: Context) -> str:
-        """Return it."""
-        return str(Path(context.file).absolute().parent)
-
-
-class IfCondition:
-    """Whether something of a launch file happens."""
-
-    wanted = True
-
-    def __init__(self, predicate_expression: Any) -> None:
-        self._expression = predicate_expression
-
-    def holds(self, context: Context) -> bool:
-        """Return whether it does."""
-        said = _text(self._expression, context).strip().lower()
-        if said not in (*YES, *NO):
-            raise Unknown(f"a condition of the launch file says {said!r}; expected true or false")
-        return (said in YES) == self.wanted
-
-
-class UnlessCondition(IfCondition):
-    """Whether it does not."""
-
-    wanted = False
-
-
-class LaunchDescription:
-    """What a launch file returns."""
-
-    def __init__(self, initial_entities: Iterable[Any] | None = None) -> None:
-        self.entities = list(initial_entities or ())
-
-    def add_action(self, action: Any) -> None:
-        """Add one more."""
-        self.entities.append(action)
-
-    add_entity = add_action
-
-
-class _Action:
-    def __init__(self, *, condition: Any = None, **more: Any) -> None:
-        if odd := [key for key, value in more.items() if value and key not in WITHOUT_EFFECT]:
-            raise Unknown(f"{type(self).__name__}({odd[0]}=…) is not known here; leave it out")
-        if condition is not None and not isinstance(condition, IfCondition):
-            raise Unknown("condition=… takes IfCondition(…) or UnlessCondition(…) here")
-        self.condition = condition
-
-    def act(self, context: Context) -> None:
-        raise NotImplementedError
-
-
-class DeclareLaunchArgument(_Action):
-    """An argument of the launch file, which has its default here."""
-
-    def __init__(
-        self,
-        name: str,
-        *,
-        default_value: Any = None,
-        description: Any = "",
-        choices: Any = None,
-        **more: Any,
-    ) -> None:
-        super().__init__(**more)
-        self._name, self._default, self._choices = name, default_value, choices
-
-    def act(self, context: Context) -> None:
-        """Let it have its default, unless who includes the file gives a value."""
-        if self._name not in context.values:
-            if self._default is None:
-                raise Unknown(f"the launch argument {self._name!r} needs a default here")
-            context.values[self._name] = _text(self._default, context)
-        value = context.values[self._name]
-        if self._choices is not None and value not in self._choices:
-            raise Unknown(f"{self._name}:={value}: expected one of {', '.join(self._choices)}")
-
-
-class PythonLaunchDescriptionSource:
-    """The path of another launch file."""
-
-    def __init__(self, launch_file_path: Any) -> None:
-        self.path = launch_file_path
-
-
-class IncludeLaunchDescription(_Action):
-    """Another launch file."""
-
-    def __init__(
-        self, launch_description_source: Any, *, launch_arguments: Any = (), **more: Any
-    ) -> None:
-        super().__init__(**more)
-        self._source, self._arguments = launch_description_source, launch_arguments
-
-    def act(self, context: Context) -> None:
-        """Carry it out with its arguments."""
-        given = self._arguments.items() if isinstance(self._arguments, Mapping) else self._arguments
-        for name, value in given or ():
-            context.values[_text(name, context)] = _text(value, context)
-        _include(_text(getattr(self._source, "path", self._source), context), context)
-
-
-class GroupAction(_Action):
-    """Some actions; what they set holds among them only."""
-
-    def __init__(self, actions: Iterable[Any], *, scoped: bool = True, **more: Any) -> None:
-        super().__init__(**more)
-        self._actions, self._scoped = actions, scoped
-
-    def act(self, context: Context) -> None:
-        """Do them all."""
-        before = dict(context.values), context.namespace, context.parameters
-        for each in self._actions:
-            _visit(each, context)
-        if self._scoped:
-            context.values, context.namespace, context.parameters = before
-
-
-class PushROSNamespace(_Action):
-    """A namespace for all nodes that follow."""
-
-    def __init__(self, namespace: Any, **more: Any) -> None:
-        super().__init__(**more)
-        self._namespace = namespace
-
-    def act(self, context: Context) -> None:
-        """Put it below the present one."""
-        context.namespace = _below(context.namespace, _text(self._namespace, context))
-
-
-class SetParameter(_Action):
-    """A parameter of all nodes that follow."""
-
-    def __init__(self, name: Any, value: Any, **more: Any) -> None:
-        super().__init__(**more)
-        self._given = {tuple(name) if isinstance(name, list) else name: value}
-
-    def act(self, context: Context) -> None:
-        """Note it."""
-        context.parameters += tuple(_flat(self._given, context))
-
-
-class LogInfo(_Action):
-    """A line for whoever starts it."""
-
-    def __init__(self, *, msg: Any, **more: Any) -> None:
-        super().__init__(**more)
-        self._said = msg
-
-    def act(self, context: Context) -> None:
-        """Read it only."""
-        _text(self._said, context)
-
-
-class Shutdown(_Action):
-    """The end of all, for a node's `on_exit`."""
-
-    def __init__(self, *, reason: Any = "", **more: Any) -> None:
-        super().__init__(**more)
-
-    def act(self, context: Context) -> None:
-        """Refuse to end before anything has begun."""
-        raise Unknown("Shutdown is known here only in Node(on_exit=Shutdown())")
-
-
-class ParameterValue:
-    """A parameter's value, and the type that a text becomes."""
-
-    def __init__(self, value: Any, *, value_type: Any = None) -> None:
-        self._value, self._type = value, value_type
-
-    def text(self, context: Context) -> str:
-        """Return it as YAML."""
-        if not _is_text(self._value) or self._type not in (str, int, float):
-            return _value(self._value, context)
-        return json.dumps(self._type(_text(self._value, context)))
-
-
-class Node(_Action):
-    """A program of a package."""
-
-    def __init__(
-        self, *, package: Any = None, executable: Any, name: Any = None, namespace: Any = None,
-        parameters: Any = None, remappings: Any = None, arguments: Any = None,
-        ros_arguments: Any = None, on_exit: Any = None, **more: Any,
-    ) -> None:  # fmt: skip
-        ends = on_exit if isinstance(on_exit, list) else [on_exit]
-        self._needed = bool(ends) and all(isinstance(each, Shutdown) for each in ends)
-        super().__init__(**more, on_exit=None if self._needed else on_exit)
-        self._package, self._executable = package, executable
-        self._name, self._namespace = name, namespace
-        if isinstance(parameters, str | Mapping | Substitution):  # launch_ros takes a list, too
-            raise Unknown("Node(parameters=…) takes a list: put square brackets around it")
-        self._parameters, self._remappings = parameters or (), remappings or ()
-        self._arguments, self._ros_arguments = arguments or (), ros_arguments or ()
-
-    def act(self, context: Context) -> None:
-        """Note its command line; another package's node is left out."""
-        package = _text(self._package, context) if self._package else context.package
-        executable = _text(self._executable, context)
-        if not package:
-            raise Unknown(f"Node(executable={executable!r}): name its package, too")
-        if package not in context.packages:
-            context.notes.append(f"{executable} of the package {package} is not started here")
-            return
-        name = _text(self._name, context) if self._name is not None else ""
-        namespace = context.namespace
-        if self._namespace is not None:
-            namespace = _below(namespace, _text(self._namespace, context)) or "/"
-        made: dict[str, str] = {}
-        node = f"{namespace.rstrip('/')}/{name}" if name and namespace else ""
-        words = [_text(word, context) for word in self._ros_arguments]
-        words += ["-r", f"__node:={name}"] if name else []
-        words += ["-r", f"__ns:={namespace}"] if namespace else []
-        for parameter, value in context.parameters:
-            words += ["-p", f"{parameter}:={value}"]
-        for given in self._parameters:
-            if not isinstance(given, Mapping):
-                words += ["--params-file", _text(given, context)]
-            elif node and given:  # as in launch_ros, so that it goes before a file's lines for it
-                context.made += 1
-                words += ["--params-file", file := f"launch_params_{context.made}.yaml"]
-                made[file] = _yaml(node, _flat(given, context))
-            else:
-                words += [w for pair in _flat(given, context) for w in ("-p", ":=".join(pair))]
-        for source, target in self._remappings:
-            words += ["-r", f"{_text(source, context)}:={_text(target, context)}"]
-        first = [_text(word, context) for word in self._arguments]
-        ros = ["--ros-args", *words] if words else []
-        context.started.append(
-            Started(package, executable, (*first, *ros), self._needed, node, made)
-        )
-
-
-def _below(base: str, namespace: str) -> str:
-    """Return a namespace below another one, or as it is if it begins with a slash."""
-    if not namespace or namespace.startswith("/"):
-        return namespace or base
-    return f"{base.rstrip('/')}/{namespace}".rstrip("/")
-
-
-def _yaml(node: str, parameters: Iterable[tuple[str, str]]) -> str:
-    lines = [f"    {json.dumps(name)}: {value}" for name, value in parameters]
-    return "\n".join([f"{json.dumps(node)}:", "  ros__parameters:", *lines, ""])
-
-
-def _flat(given: Mapping[Any, Any], context: Context) -> Iterator[tuple[str, str]]:
-    """Yield parameters with dotted names, and their values as the command line has them."""
-    for key, value in given.items():
-        name = _text(key, context)
-        if isinstance(value, Mapping):
-            yield from ((f"{name}.{inner}", text) for inner, text in _flat(value, context))
-        else:
-            yield name, _value(value, context)
-
-
-def _value(value: Any, context: Context) -> str:
-    if isinstance(value, ParameterValue):
-        return value.text(context)
-    if _is_text(value):
-        return _text(value, context) or '""'
-    return json.dumps(value)  # YAML reads what JSON writes
-
-
-def _is_text(value: Any) -> bool:
-    """Return whether a parameter's value is a text that is known only now."""
-    parts = value if isinstance(value, list | tuple) else [value]
-    return any(isinstance(part, Substitution) for part in parts)
-
-
-def _text(value: Any, context: Context) -> str:
-    if isinstance(value, Substitution):
-        return value.perform(context)
-    if isinstance(value, list | tuple):
-        return "".join(_text(part, context) for part in value)
-    if isinstance(value, str | os.PathLike | int | float):
-        return os.fspath(value) if isinstance(value, os.PathLike) else str(value)
-    raise Unknown(f"a launch file has a {type(value).__name__} where a text belongs")
-
-
 def _modules() -> dict[str, ModuleType]:
     """Return the stand-ins, by the names that launch files import them by."""
-    has: dict[str, tuple[type, ...]] = {
-        "launch": (LaunchDescription, Substitution),
-        "launch.actions": (
-            DeclareLaunchArgument, GroupAction, IncludeLaunchDescription, LogInfo, Shutdown,
-        ),
-        "launch.conditions": (IfCondition, UnlessCondition),
-        "launch.event_handlers": (),
-        "launch.launch_description_sources": (PythonLaunchDescriptionSource,),
-        "launch.substitutions": (
-            LaunchConfiguration, PathJoinSubstitution, TextSubstitution, ThisLaunchFileDir,
-        ),
-        "launch_ros": (),
-        "launch_ros.actions": (Node, PushROSNamespace, SetParameter),
-        "launch_ros.descriptions": (ParameterValue,),
-        "launch_ros.parameter_descriptions": (ParameterValue,),
-        "launch_ros.substitutions": (FindPackageShare,),
+    has = {
+        "launch": "LaunchDescription Substitution",
+        "launch.actions":
+            "DeclareLaunchArgument GroupAction IncludeLaunchDescription LogInfo Shutdown",
+        "launch.conditions": "IfCondition UnlessCondition",
+        "launch.event_handlers": "",
+        "launch.launch_description_sources": "PythonLaunchDescriptionSource",
+        "launch.substitutions":
+            "LaunchConfiguration PathJoinSubstitution TextSubstitution ThisLaunchFileDir",
+        "launch_ros": "",
+        "launch_ros.actions": "Node PushROSNamespace SetParameter",
+        "launch_ros.descriptions": "ParameterValue",
+        "launch_ros.parameter_descriptions": "ParameterValue",
+        "launch_ros.substitutions": "FindPackageShare",
     }  # fmt: skip
-    made = {name: _module(name, {each.__name__: each for each in own}) for name, own in has.items()}
-    made["launch_ros.actions"].__dict__["PushRosNamespace"] = PushROSNamespace
+    made = {
+        name: _module(name, {each: getattr(words, each) for each in own.split()})
+        for name, own in has.items()
+    }
+    made["launch_ros.actions"].__dict__["PushRosNamespace"] = words.PushROSNamespace
     for name, module in made.items():
         parent, _, last = name.rpartition(".")
         if parent:

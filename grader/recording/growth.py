@@ -103,7 +103,7 @@ def _said(note: Note, recording: Recording) -> str:
                 f"{place} waits there to the end, from {at:.2f} s on: what it waits for, a lock, "
                 "an event, an answer, never comes"
             )
-        case "sim_time":
+        case "sim_time" if not more:
             return (
                 f"{note.about} has use_sim_time, and nothing publishes /clock: on a robot its time "
                 "would stand at 0 and its timers never fire; here both go on"

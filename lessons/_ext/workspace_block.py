@@ -8,6 +8,7 @@ from __future__ import annotations
 import html
 import json
 import shutil
+import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,11 +16,10 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
     from sphinx.config import Config
 
-MADE = Path(__file__).resolve().parents[2] / "build" / "workspace"
+ROOT = Path(__file__).resolve().parents[2]
+MADE = ROOT / "build" / "workspace"
 STATIC = "_static/workspace"
-EXERCISES = (
-    "obstacle_avoidance", "goal_seeking", "trend_memory", "safety_supervisor",
-)  # fmt: skip
+EXERCISES = tomllib.loads((ROOT / "workspace" / "packages.toml").read_text("utf-8"))["exercises"]
 OFF = (
     "The workspace is not running. It needs a browser with JavaScript, and the site has to come "
     "from a web server: opened as a file it can't start. <code>python3 -m http.server</code> in "

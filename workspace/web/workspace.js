@@ -403,7 +403,7 @@ class Workspace {
     this.score.replaceChildren(
       el('strong', {}, `${grading.score} of ${grading.max_score} points. `),
       grading.cap ? `${grading.cap} ` : '', el('span', { class: 'ws-note' }, grading.notes.join(' ')),
-      cause ? el('p', { class: 'ws-cause' }, el('strong', {}, 'What these failures have in common: '), cause.text,
+      cause ? el('p', { class: 'ws-cause' }, el('strong', {}, 'Cause: '), cause.text,
         cause.where ? el('pre', {}, cause.where) : null) : '');
     const first = grading.checks.find((check) => check.outcome === 'fail');
     if (!first) await this.play(driven, grading.checks);

@@ -126,8 +126,9 @@ class Bridge:
                 yield from list(_unread(party))
         for node in self.discovery.nodes():
             with contextlib.suppress(InvalidHandle):
-                if node.get_clock().ros_time_is_active and not node.count_publishers("/clock"):
-                    yield Note("sim_time", node.get_fully_qualified_name())
+                if node.get_clock().ros_time_is_active:
+                    clock = "/clock" if node.count_publishers("/clock") else ""
+                    yield Note("sim_time", node.get_fully_qualified_name(), count=0, more=clock)
             machine = node.__dict__.get("_state_machine")
             if isinstance(machine, rclpy_implementation.LifecycleStateMachine):
                 with contextlib.suppress(InvalidHandle):

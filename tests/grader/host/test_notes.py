@@ -82,6 +82,10 @@ SAID = [
      "/own has use_sim_time, and nothing publishes /clock"),
     ("from rosgraph_msgs.msg import Clock\nnode.create_publisher(Clock, '/clock', 1)\n"
      "node.set_parameters([rclpy.Parameter('use_sim_time', value=True)])\nspin(node)", ""),
+    ("from rosgraph_msgs.msg import Clock\n"
+     "def late(): timer.cancel(); node.create_publisher(Clock, '/clock', 1)\n"
+     "timer = node.create_timer(0.5, late)\n"
+     "node.set_parameters([rclpy.Parameter('use_sim_time', value=True)])\nspin(node)", ""),
     (SLEEPS.format(group="None", threads=1),
      r"tick \(node.py, line \d+\) took 1.2 s from 0.50 s on; meanwhile waited: /scan"),
     (SLEEPS.format(group=ALONE, threads=1), "meanwhile waited: /scan"),
