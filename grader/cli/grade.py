@@ -103,8 +103,7 @@ def grade(
     changed = ""
     if vary is None and tier == 1:  # the same worlds
         changed = since_last(grading, file)
-        if grading.whole:
-            remember_best(chosen, grading.recordings)
+        remember_best(grading)
     keep(grading.as_dict())
     todo = _todo(grading, f"{chosen.number} {shown(file)}")
     return show(grading, json_, report, changed, everything=everything, todo=todo)

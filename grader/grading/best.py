@@ -7,8 +7,8 @@ student's eyes only, and lies in their own state folder (see `grader.grading.att
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 import numpy as np
@@ -17,6 +17,9 @@ from grader.course.exercises import Exercise
 from grader.course.submission import read_regular_file
 from grader.grading.attempts import MAX_BYTES, history, replace
 from grader.recording import Recording
+
+if TYPE_CHECKING:
+    from grader.grading.grading import Grading
 
 FILE = "best.json"
 MOVES = 0.01  # [m/s]
@@ -52,11 +55,11 @@ def drive_in(recording: Recording) -> Drive | None:
     return Drive(round(time, 2), round(float(truth.clearance.min()), 2), round(jolt, 2))
 
 
-def remember_best(exercise: Exercise, recordings: Sequence[Recording]) -> None:
-    """Keep the best of these drives and those before."""
-    named = {each.name: each for each in recordings if each.name in exercise.best}
+def remember_best(grading: Grading) -> None:
+    """Keep the best of these drives and those before, if all points are won."""
+    named = {each.name: each for each in grading.recordings if each.name in grading.exercise.best}
     drives = {name: drive for name, each in named.items() if (drive := drive_in(each))}
-    if not drives:
+    if not drives or not grading.whole:
         return
     with contextlib.suppress(OSError):
         known = _known()

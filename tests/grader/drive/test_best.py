@@ -11,7 +11,10 @@ from driven import careful, drive_by, reckless, timid
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.best import Drive, best_table, drive_in, remember_best
+from grader.grading.grading import Grading
+from grader.grading.plugin import PASS, CheckResult
 from grader.link.pool import ForkServerPool
+from grader.recording import Recording
 from grader.trial.trials import NodeTrials
 from sim.scenario_files import load_scenario
 
@@ -20,16 +23,23 @@ CART = load_scenario("avoid_cart")
 WITH_BEST = [exercise for exercise in all_exercises() if exercise.best]
 
 
+def graded(*recordings: Recording, won: int = 100) -> Grading:
+    check = CheckResult("all", "All.", "core", won, won, PASS)
+    return Grading(FIRST, "node.py", 1, (check,), recordings)
+
+
 def test_the_best_of_each_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     assert best_table(FIRST) == []
     usual = drive_in(drive_by(careful, CART))
     assert usual == Drive(*FIRST.best["avoid_cart"])
-    remember_best(FIRST, [drive_by(timid, CART), drive_by(reckless, CART)])
+    remember_best(graded(drive_by(timid, CART), drive_by(reckless, CART)))
     assert best_table(FIRST) == []  # one hardly moved, the other touched something
     short = msgspec.structs.replace(CART, duration=5.0)
-    remember_best(FIRST, [drive_by(careful, CART)])
-    remember_best(FIRST, [drive_by(careful, short)])
+    remember_best(graded(drive_by(careful, CART), won=5))
+    assert best_table(FIRST) == []  # not all points
+    remember_best(graded(drive_by(careful, CART)))
+    remember_best(graded(drive_by(careful, short)))
     (row,) = best_table(FIRST)
     assert row.startswith("  avoid_cart   5.00 s ")
     assert row.endswith(f"reference {usual}")
