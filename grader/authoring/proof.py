@@ -27,6 +27,7 @@ from grader.errors import InputError
 from grader.grading.grading import Grading
 from grader.grading.plugin import FAIL, INCONCLUSIVE, UNAVAILABLE
 from grader.link.hosts import ForkServer
+from grader.recording import noted_of
 from grader.trial.kept import KeptRecordings
 from sim.messages import EPOCH_NS
 
@@ -56,6 +57,11 @@ def objections(claim: Claim, grading: Grading) -> list[str]:
             found.append(f"gets {grading.score} of {most}: fails {failed}")
         if claim.field_ready and grading.field_ready is False:
             found.append(f"claims to be field-ready and fails {sorted(failed)}")
+        found += [
+            f"is right, and told: in {recording.name}, {said}"
+            for recording in grading.recordings
+            for said in noted_of(recording, models=False)
+        ]
     return found
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import tempfile
 from collections.abc import Collection, Mapping
@@ -10,6 +9,7 @@ from dataclasses import dataclass
 
 from grader.errors import GraderError, InputError
 from grader.host.frames import Hello
+from grader.host.sandbox import users
 from grader.host.sandbox.amounts import (
     MAX_FILE,
     MAX_FOLDER,
@@ -133,7 +133,7 @@ def diagnose() -> Diagnosis:
         problem=problem,
         layers=tuple(Layer(name, name in means.layers, _version(name, means)) for name in LAYERS),
         extras=system.missing_extras(),
-        gaps=() if problem else gaps(means, root=os.getuid() == 0),
+        gaps=() if problem else gaps(means, root=users.is_root()),
         trouble=trouble(means.layers),
     )
 

@@ -2,7 +2,7 @@
 
 from grader.recording.costs import Costs, account_of, costs_of
 from grader.recording.deaths import Death, death_of
-from grader.recording.growth import ENDS, ended_of, growth_of, made_again, rise_of
+from grader.recording.growth import ENDS, ended_of, growth_of, made_again, noted_of, rise_of
 from grader.recording.inferences import Inference
 from grader.recording.recording import (
     COMPLETED,
@@ -42,5 +42,6 @@ __all__ = [
     "ended_of",
     "growth_of",
     "made_again",
+    "noted_of",
     "rise_of",
 ]

@@ -121,6 +121,19 @@ def _said(note: Note, recording: Recording) -> str:
     return ""
 
 
+def _asked_long(note: Note, recording: Recording) -> bool:
+    """Return whether a callback took most of its time for the answer of a model."""
+    if note.kind != "lasts":
+        return False
+    begin, end = note.time, note.time + note.lasted
+    asked = sum(
+        min(end, each.answered) - max(begin, each.asked)
+        for each in recording.inferences
+        if each.answered > begin and each.asked < end
+    )
+    return asked > note.lasted / 2
+
+
 def ended_of(recording: Recording) -> list[str]:
     """Say which of several programs ended while the others went on, a sentence each."""
     return [
@@ -131,9 +144,18 @@ def ended_of(recording: Recording) -> list[str]:
     ]
 
 
-def growth_of(recording: Recording) -> list[str]:
-    """Say what grew in a trial, a sentence each."""
-    said = [said for note in recording.notes if (said := _said(note, recording))]
+def noted_of(recording: Recording, *, models: bool = True) -> list[str]:
+    """Say what the host noted in a trial, a sentence each.
+
+    `models`: also of callbacks that took long because the scenario's model did.
+    """
+    told = [note for note in recording.notes if models or not _asked_long(note, recording)]
+    return [said for note in told if (said := _said(note, recording))]
+
+
+def growth_of(recording: Recording, *, models: bool = True) -> list[str]:
+    """Say what grew in a trial, or was noted; see `noted_of`."""
+    said = noted_of(recording, models=models)
     said += [
         f"{end.node} made {many} in {recording.duration_s:.0f} s: make one in the constructor, and "
         "keep it"

@@ -117,7 +117,7 @@ class Recorder:
             live=live,
             inferences=tuple(asked),
             charged=charged,
-            notes=tuple(self._notes.values()),
+            notes=tuple(note for note in self._notes.values() if _holds(note, outcome.at)),
         )
 
     def _message(self, published: Published, began: int, reached: int) -> Message:
@@ -135,6 +135,11 @@ class Recorder:
         if topic in OFFERED or topic.startswith(OURS):  # a node that speaks in the robot's name
             topic = f"/from_node{topic}"
         return Message(topic, published.type, published.time, published.data)
+
+
+def _holds(note: Note, end: float) -> bool:
+    """Return whether a note is true at the end [s]: a callback that waited may have come back."""
+    return note.kind != "waits" or (note.time + note.lasted) / 1e9 > end - 1e-6
 
 
 def _command(message: Message, stamped: bool) -> Command | None:

@@ -206,7 +206,7 @@ class NodeTrials(Trials):
 
     def _grown(self) -> list[str]:
         """Say what grew, in the one trial that shows the most of it."""
-        found = [(growth_of(recording), recording) for recording in self.recordings()]
+        found = [(growth_of(recording, models=False), recording) for recording in self.recordings()]
         found.sort(key=lambda each: (len(each[0]), each[1].duration_s))
         return [f"In {run.name}, {line.rstrip('.')}." for said, run in found[-1:] for line in said]
 

@@ -35,7 +35,7 @@ def test_a_full_disk_ends_the_batch_and_the_next_run_goes_on(tmp_path: Path) -> 
     batch = [*COURSE, str(tmp_path / "in"), "--out", str(place / "out"), *OPTIONS]
     done = mounted(
         batch,
-        ["mount", "-o", "remount,size=200m", str(place)],
+        ["mount", "-t", "tmpfs", "-o", "remount,size=200m", "none", str(place)],
         batch,
         ["cp", "-r", str(place / "out"), str(taken)],
         place=place,

@@ -32,7 +32,7 @@ DEVICES = (Path("/dev/null"), Path("/dev/shm"))
 
 def begin(wanted: Collection[str]) -> bool:
     """Get the right to mounts and networks of one's own; call it before any thread starts."""
-    return os.getuid() == 0 or (not {MOUNTS, NETWORK}.isdisjoint(wanted) and users.own_user())
+    return users.is_root() or (not {MOUNTS, NETWORK}.isdisjoint(wanted) and users.own_user())
 
 
 def prepare(wanted: Collection[str], *, may_mount: bool, newest: int) -> Hello:
@@ -43,7 +43,7 @@ def prepare(wanted: Collection[str], *, may_mount: bool, newest: int) -> Hello:
     found = [LIMITS]
     if may_mount:
         mounts = users.own_mounts()
-        if USER in wanted and os.getuid() == 0 and users.open_to_others(needed_paths()):
+        if USER in wanted and users.is_root() and users.open_to_others(needed_paths()):
             found.append(USER)
         if MOUNTS in wanted and mounts:
             found.append(MOUNTS)
@@ -54,7 +54,7 @@ def prepare(wanted: Collection[str], *, may_mount: bool, newest: int) -> Hello:
         found.append(FILES)
     if CALLS in wanted and kernel_filters.has_seccomp():
         found.append(CALLS)
-    ordinary = os.getuid() != 0 and may_mount
+    ordinary = not users.is_root() and may_mount
     counted = USER in found or (ordinary and users.can_count_own_processes())
     return Hello(tuple(found), abi if FILES in found else 0, counted)
 
@@ -69,7 +69,7 @@ def enter(request: Request, means: Hello, *, parent: int, datagrams: bool) -> No
     limits.die_first()
     if USER in request.layers:
         users.drop_to(request.uid)
-    elif os.getuid() != 0:
+    elif not users.is_root():
         if means.counted:
             users.count_own_processes()
         users.drop_capabilities()

@@ -35,6 +35,17 @@ MS_BIND, MS_REC, MS_PRIVATE = 4096, 16384, 1 << 18
 MNT_DETACH = 2
 
 
+def is_root() -> bool:
+    """Return whether this process may become any of `USERS`, or the one behind them.
+
+    Not so root in a user namespace without them: `unshare --map-root-user`, Apptainer's fakeroot.
+    """
+    if os.geteuid() != 0:
+        return False
+    spans = (map(int, line.split()) for line in Path("/proc/self/uid_map").read_text().splitlines())
+    return any(first <= USERS.start and USERS.stop < first + count for first, _, count in spans)
+
+
 def take_priority() -> None:
     """Go before others on the machine, if that is allowed: real time leaves no time to wait.
 

@@ -46,6 +46,7 @@ class VirtualThread:
         self.joiners: Waiters = collections.deque()
         self.interrupts: list[Callable[[], None]] = []  # to run before it goes on (see interrupt)
         self.parked = False  # nobody has woken it yet
+        self.asks = False  # it waits for the world, which will answer
         self.until: int | None = None  # [ns] at which it will have been parked long enough
         self.goes_on_waiting = False  # it was woken for its interrupts only
 

@@ -117,7 +117,8 @@ class Session(kernel_module.World):
         key = (note.kind, about, line)
         before = self._notes.get(key)
         if before is not None:
-            longest = note if note.lasted >= before.lasted else before
+            latest = note.kind == "waits" or note.lasted >= before.lasted
+            longest = note if latest else before
             note = msgspec.structs.replace(longest, count=before.count + note.count)
         if note != before and (before or len(self._notes) < MAX_NOTES):
             self._notes[key] = self._news[key] = note
@@ -137,7 +138,12 @@ class Session(kernel_module.World):
         self._questions.append(msgspec.structs.replace(question, number=number))
         waiters: kernel_module.Waiters = collections.deque()
         self._asking[number] = waiters
-        self.kernel.park(None, waiters)
+        thread = self.kernel.me()
+        thread.asks = True
+        try:
+            self.kernel.park(None, waiters)
+        finally:
+            thread.asks = False
         told = self._told.pop(number)
         if told.wait:
             self.kernel.sleep(told.wait / 1e9)

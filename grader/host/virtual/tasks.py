@@ -85,7 +85,8 @@ def waits(kernel: Kernel) -> Iterator[Note]:
         thread, frame = kernel.threads[ident], sys._current_frames().get(ident)
         while frame is not None and not host.is_beside(frame.f_code.co_filename):
             frame = frame.f_back
-        lasted, in_vain = kernel.now - begin, thread.parked and thread.until is None
+        lasted = kernel.now - begin
+        in_vain = thread.parked and thread.until is None and not thread.asks
         if frame is not None and in_vain and thread.seen == seen and lasted >= LONG:
             place = place_of(frame.f_code, frame.f_lineno)
             yield Note("waits", frame.f_code.co_name, place, 0, max(0, begin), lasted)

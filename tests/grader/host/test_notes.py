@@ -105,6 +105,10 @@ SAID = [
      "def keep(scan): lock.acquire()\n"
      "node.create_subscription(LaserScan, '/scan', keep, 10)\nspin(node, threads=2)",
      r"keep \(node.py, line \d+\) waits there to the end, from 0.\d+ s on"),
+    ("event = threading.Event()\n"
+     "threading.Timer(1.5, event.set).start()\n"
+     "node.create_subscription(LaserScan, '/scan', lambda scan: event.wait(), 10)\n"
+     "spin(node, threads=2)", r"<lambda> \(node.py, line \d+\) took 1.\d s from 0.\d+ s on"),
     (THREADS.format(start="threading.Thread(target=work).start()"),
      r"tick \(node.py, line \d+\) started 1\d threads in 2 s"),
     (THREADS.format(start="pass"), ""),

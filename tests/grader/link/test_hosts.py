@@ -2,6 +2,9 @@
 
 import contextlib
 import os
+import shutil
+import subprocess
+import sys
 import textwrap
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -11,6 +14,7 @@ import pytest
 from node_runs import PREAMBLE, RunNode, is_over, short
 from ordinary import NOBODY, said_by_ordinary
 
+from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.errors import GraderError
 from grader.host.sandbox.layers import CALLS, LAYERS
@@ -249,6 +253,7 @@ from node_runs import PREAMBLE, short
 from grader.host.sandbox.layers import CALLS, LAYERS
 from grader.link import hosts
 from grader.link.hosts import ForkServer
+from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
@@ -276,3 +281,20 @@ def test_an_ordinary_user_can_grade() -> None:
     assert uid == str(os.getuid() or NOBODY)
     assert (outcomes, digests, published) == (["completed"], 1, 10)
     assert (shared, left) == (True, [])
+
+
+def test_root_who_can_be_nobody_else_can_grade() -> None:
+    """As in containers without other users: root's name, and no more than an ordinary user."""
+    alone = ["unshare", "--map-root-user"]
+    if shutil.which("unshare") is None or subprocess.run([*alone, "true"], check=False).returncode:
+        pytest.skip("no user namespaces here")
+    script = "import os; from grader.host.sandbox import users; print(os.getuid(), users.is_root())"
+    said = subprocess.run([*alone, sys.executable, "-c", script], check=True, capture_output=True)
+    assert said.stdout.split() == [b"0", b"False"]
+    exercise = find_exercise("obstacle_avoidance")
+    course = [sys.executable, "-m", "grader.cli", "grade", exercise.slug, "--only", "wiring"]
+    done = subprocess.run(
+        [*alone, *course, str(exercise.solutions / exercise.files[0])],
+        check=False, capture_output=True, text=True,
+    )  # fmt: skip
+    assert (done.returncode, "5 / 5" in done.stdout) == (0, True), done.stdout + done.stderr
