@@ -30,6 +30,8 @@ CALLED = (
     f"{HANDED}. Or is a method called where it should only be named, self.scan_callback without "
     "brackets?"
 )
+TYPES = "str(…) for a text, float(…) or int(…) for a number, a list where there are several"
+FIELD = f"a field of the message holds another type than it should: {TYPES}"
 PARAMETER = "get_parameter('…') gives a Parameter; its value is get_parameter('…').value"
 
 ONNX_NAMES = (
@@ -44,7 +46,7 @@ INSTEAD = {  # module: what does the same here
     "pandas": "np.genfromtxt reads a CSV file",
     "matplotlib": "`course drive FILE --report drive.html` shows the run",
     "seaborn": "`course drive FILE --report drive.html` shows the run",
-    "tensorflow": "train elsewhere, export the model to ONNX and run it with onnxruntime",
+    "tensorflow": "`import keras` does without it, and onnxruntime runs a model that was exported",
     "xgboost": "scikit-learn has GradientBoostingRegressor",
     "tf_transformations": "math does: yaw = math.atan2(2 * (w*z + x*y), 1 - 2 * (y*y + z*z))",
     "transforms3d": "math does: yaw = math.atan2(2 * (w*z + x*y), 1 - 2 * (y*y + z*z))",
@@ -96,14 +98,12 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     (
         "TypeError",
         r"bad argument type for built-in operation|^\w+ is not a sequence|must be real number",
-        "a field of the message holds another type than it should: str(…) for a text, float(…) "
-        "or int(…) for a number, a list where there are several",
+        FIELD,
     ),
     (
         "SystemError",
         r"publish\b.*exception set",
-        "a field of the message holds another type than it should: an integer field takes an int, "
-        "neither a float nor a text",
+        FIELD,
     ),
     (
         "TypeError",
@@ -117,7 +117,16 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         f"does the method's first parameter say self? And {HANDED}",
     ),
     ("TypeError", r"for \^", "`^` is not a power in Python: write x**2"),
-    ("TypeError", r"'Parameter'", PARAMETER),
+    ("TypeError", r"'Parameter'|not Parameter$", PARAMETER),
+    ("RuntimeError", r"rclpy\.parameter\.Parameter object", PARAMETER),
+    *(
+        (
+            "ModuleNotFoundError",
+            rf"No module named '{name}\b",
+            f"there is no {name} here; {instead}",
+        )
+        for name, instead in INSTEAD.items()
+    ),
     ("TypeError", r"Parameter\b.*\bfloat|float.*\bParameter\b", PARAMETER),
     (
         "TypeError",
@@ -292,7 +301,8 @@ def _words(error: BaseException, line: str) -> str:
     special = SPECIAL.get(type(error).__name__)
     if special and (said := special(error)):
         return said
-    return words_for(names, text)
+    said = words_for(names, text)
+    return _wrong_field(error) or said if said == FIELD else said
 
 
 def words_for(names: Sequence[str], text: str) -> str:
@@ -309,7 +319,7 @@ def _module(error: Any) -> str:
     """Say what there is instead of a module that is not installed."""
     name = str(error.name or "").partition(".")[0]
     if name in INSTEAD:
-        return f"there is no {name} here; {INSTEAD[name]}"
+        return ""
     near = difflib.get_close_matches(name, LIBRARIES, n=1, cutoff=0.75)
     if near and near[0] != name:
         return f"is it {near[0]}?"
@@ -375,6 +385,30 @@ def field_of(error: BaseException, space: Mapping[str, Any]) -> str:
             fields = getattr(type(each), "_fields_and_field_types", None)
             if type(each).__name__ == match[1] and isinstance(fields, dict):
                 return _fields(match[1], match[2], fields)
+    return ""
+
+
+def _wrong_field(error: BaseException) -> str:
+    """Say which field of a message that was published holds another type; "" if none does."""
+    trace, message = error.__traceback__, None
+    while trace is not None:
+        message = trace.tb_frame.f_locals.get("msg", message)
+        trace = trace.tb_next
+    return _field_that_is_wrong(message)
+
+
+def _field_that_is_wrong(message: Any) -> str:
+    fields = getattr(type(message), "_fields_and_field_types", None)
+    for name, kind in fields.items() if isinstance(fields, dict) else ():
+        value = getattr(message, name)
+        for part in value if isinstance(value, list) else [value]:
+            if said := _field_that_is_wrong(part):
+                return said
+        try:
+            type(message)(check_fields=True, **{name: value})
+        except AssertionError:
+            took = f"`{name}` of {type(message).__name__} takes {kind}"
+            return f"{took}, and was given {value!r:.40}: {TYPES}"
     return ""
 
 

@@ -211,6 +211,10 @@ RULES = (
     Rule("AttributeError", r"'numpy.ndarray' object has no attribute 'keys'", "",
          "a session takes a dict of its inputs: session.run(None, {name: array}), with the name of "
          "session.get_inputs()[0]", "https://onnxruntime.ai/docs/api/python/api_summary.html"),
+    Rule("RuntimeError", r"must have the same dtype, but got Double and Float|expected .*Float but "
+         r"found Double", "", "NumPy counts in float64, the model in float32: "
+         "torch.from_numpy(features.astype(np.float32))",
+         "https://pytorch.org/docs/stable/generated/torch.from_numpy.html"),
     # messages
     Rule("RuntimeError", r"service type provided is not valid", "",
          "a service's type is the whole of it, such as Trigger, which has Request and Response",

@@ -85,6 +85,8 @@ def words_on_syntax(said: str, line: str) -> str:
     for code, advice in LINES:
         if said.startswith(("invalid", "unmatched", "expected ':'")) and re.search(code, text):
             return advice
+    if said.startswith("f-string: expecting '}'") and text.count("{") > text.count("}"):
+        return "a { in this f-string is closed by no }"
     for kind, advice in KINDS:
         if match := re.search(kind, said):
             return match.expand(advice)

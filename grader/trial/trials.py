@@ -33,6 +33,7 @@ REAL_TIME_TRIALS = 4  # at once: each mostly waits for the clock
 MAX_SAID = 200  # [characters] of an error in a message
 IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
 NOT_RUN = "The node {ended} in the run {name}, so {count} were left out."
+ENDED = {"hung": "hung", "never_spun": "never spun"}
 AFTER = "After the run {name} the node was sent Ctrl-C: {what}. This costs no points."
 PATIENCE = 300.0  # [s] of wall time that the virtual trials of a submission may take in all
 HURRIED = Limits(total=20.0)  # once they have
@@ -61,7 +62,7 @@ class TrialFault(GraderError):
 
 
 class _LeftOut(Exception):
-    """A trial was not run, since the node hung or never started in another."""
+    """A trial was not run, since the node hung or ended at once in another."""
 
     def __init__(self, scenario: Scenario) -> None:
         super().__init__(scenario.name)
@@ -124,7 +125,7 @@ class NodeTrials(Trials):
         self._hung = False
         self._planned, self._ended = 0, 0  # trials
         self._counting = threading.Lock()
-        self._halted = False  # it hung or never started: what no check asks for doesn't run
+        self._halted = False  # it hung or ended at once: what no check asks for doesn't run
         self._took: list[float] = []  # [s] of wall time by each virtual trial
         self._published = 0  # [bytes] in them
         self._interrupted: str | None = None  # the scenario at whose end Ctrl-C is tried
@@ -219,7 +220,7 @@ class NodeTrials(Trials):
         count = sum(self._unasked(name) for name in self._futures)
         if not ends or not count:
             return []
-        ended = "hung" if ends[0].outcome.kind == "hung" else "never started"
+        ended = ENDED.get(ends[0].outcome.kind, "ended before its first message")
         runs = f"the other {count} runs" if count > 1 else "the other run"
         said = NOT_RUN.format(ended=ended, name=ends[0].name, count=runs)
         return [said if count > 1 else said.replace("were", "was")]

@@ -20,8 +20,9 @@ MAX_LINE = 240  # [characters]
 # What a slip leads to
 SLIPS = re.compile(
     r"\b(TypeError|AttributeError|NameError|UnboundLocalError|IndexError|KeyError"
-    r"|ZeroDivisionError|InvalidArgument|ValueError)\b"
+    r"|ZeroDivisionError|InvalidArgument|ValueError|RuntimeError|ModuleNotFoundError)\b"
 )
+MANY_THINGS = re.compile(r"RuntimeError|ModuleNotFoundError")  # slips only where a rule fits
 ON_PURPOSE = re.compile(r"the model can't say|the model says|no model")  # our models' own words
 DEAD_THREAD = "Exception in thread "  # Python's own words
 FRAME = re.compile(r'File "(?P<file>[^/"\n]{1,100})", line (?P<line>\d{1,6}), in (?P<function>\S+)')
@@ -56,7 +57,7 @@ def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
         same = [c.id for c in failed if _dead_thread(c, _log_of(c, trials))]
         return msgspec.structs.replace(cause, explains=tuple(same))
     for text, times in _slips(log).most_common(1):
-        if times >= OFTEN and ("ValueError" not in text or SHAPE.search(text)):
+        if times >= OFTEN and _is_slip(text):
             line = " ".join(text.split())[:MAX_LINE]
             seen = f"The node logs this error {times} times in {check.scenario}: {line}"
             same = [c.id for c in failed if _slips(_log_of(c, trials))[text] >= OFTEN]
@@ -69,6 +70,13 @@ def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
             text = f"{seen}{' '.join(said.text.split())[:MAX_LINE]}{advice}"
             return Cause(text, check.kind, explains=(check.id,), check=check.id)
     return None
+
+
+def _is_slip(text: str) -> bool:
+    """Return whether an error that is logged again and again is one of those that slips lead to."""
+    if "ValueError" in text:
+        return SHAPE.search(text) is not None
+    return MANY_THINGS.search(text) is None or plain_words_on(text) != ""
 
 
 def _log_of(check: Failed, trials: ByName) -> Sequence[LogLine]:

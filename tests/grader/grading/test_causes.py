@@ -112,6 +112,27 @@ def test_an_error_that_is_caught_again_and_again_is_quoted(run_node: RunNode) ->
     assert cause.explains == ("slow_zone",)  # the log of the other trial does not say so
 
 
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        ("ModuleNotFoundError('No module named \\'tensorflow\\'')", "`import keras` does without"),
+        (
+            "RuntimeError('Invalid device string: <rclpy.parameter.Parameter object at 0x1>')",
+            ".value",
+        ),
+        ("RuntimeError('no camera')", ""),
+    ],
+)
+def test_an_error_that_may_be_anything_needs_a_rule(
+    run_node: RunNode, error: str, said: str
+) -> None:
+    logged = f"self.get_logger().error(repr({error}))"
+    recording = run(run_node, "beams[90:271]", slow="0.3", publish=f"{PUBLISH}; {logged}")
+    cause = find_cause(EXERCISE, [Check("slow_zone", scenario="avoid_zones")], [recording])
+    assert ("" if cause is None else cause.text).count("Perhaps") == bool(said)
+    assert said in ("" if cause is None else cause.text)
+
+
 @pytest.mark.parametrize("said", ["{error!r}", "TypeError: {error}"])
 def test_what_a_model_raises_on_purpose_is_no_cause(run_node: RunNode, said: str) -> None:
     error = TypeError("the model can't say anything about these features")

@@ -62,6 +62,8 @@ MEANT = {
     "Twist.linear.x = 1.0": "twist = Twist()",
     "self.create_publisher(Twist, '/c', 10).publish(Twist)": "Twist() is a message",
     "self.create_publisher(Twist, '/c', 10).publish(0.1, 0.2)": "publish() takes one message",
+    "raise RuntimeError('mat1 and mat2 must have the same dtype, but got Double and Float')":
+        "astype(np.float32)",
     "self.create_publisher(Twist, '/c', 10).get_num_connections()": "get_subscription_count()",
     "rclpy.spin(Agent)": "node = MyNode()",
     "rclpy.spin()": "no global node",
@@ -140,6 +142,8 @@ MEANT = {
     "del pickle; pickle.dumps(1)": "`import pickle` is missing",
     "g = (next(g) for _ in range(2))\nnext(g)": "let each thread make its own",
     "raise ValueError('no scan')": "catch it there",
+    "self.create_publisher(Status, '/st', 10).publish(Status(values=[d.KeyValue(value=3.5)]))":
+        "`value` of KeyValue takes string, and was given 3.5",
 }  # fmt: skip
 SYNTAX = {
     "```python\nimport math": "``` is Markdown",
@@ -178,6 +182,7 @@ SYNTAX = {
     "f(a=1, 2)": "come after those without",
     "int x = 1": "needs no type",
     "function f() {}": "begins with `def`",
+    'f"{1 of {2}"': "is closed by no }",
 }  # fmt: skip
 
 
