@@ -16,6 +16,9 @@ from sim.messages import CMD_VEL_TOPIC
 
 DRIVE = 0.5  # [m] less than this is no drive
 STANDS = 1e-6  # [m/s], [rad/s]
+TURNS = 0.3  # [rad/s] more than this from side to side is felt
+SWAYS = 8  # times in a drive ...
+SHARE = 0.1  # ... and of its commands
 
 
 def praise_of(recordings: Sequence[Recording]) -> str:
@@ -48,6 +51,23 @@ def remarks_on(recordings: Sequence[Recording]) -> Iterator[str]:
                 f"more may keep the last command, {speed:.2f} m/s. Exercise 1's main shows how to "
                 "stop it."
             )
+    swaying = max(recordings, key=_sways, default=None)
+    if swaying is not None and (times := _sways(swaying)):
+        yield (
+            f"In {swaying.name} the commands turned the robot from one side straight to the other "
+            f"{times} times. A real one shakes: is the gain too large, or an angle in degrees?"
+        )
+
+
+def _sways(recording: Recording) -> int:
+    """Return how often a drive went from one turn straight into its opposite; 0 if seldom."""
+    turns = recording.twists().values[:, -1:].ravel()
+    before, after = turns[:-1], turns[1:]
+    opposite = (np.minimum(abs(before), abs(after)) > TURNS) & (before * after < 0)
+    times = int(opposite.sum())
+    told = any(event.odom is not None for event in recording.scenario.script)  # no pose is its own
+    often = times >= max(SWAYS, SHARE * len(turns)) and not told
+    return times if often and _way(recording) >= DRIVE else 0
 
 
 def _kept_at_the_end(recording: Recording) -> float | None:

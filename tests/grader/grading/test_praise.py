@@ -56,6 +56,21 @@ def test_of_working_code_a_reader_remarks_imports_and_a_missing_stop(
     assert "the last command, 0.50 m/s" in stop
 
 
+def test_a_turn_in_degrees_sways_and_passes(forkserver: ForkServer, tmp_path: Path) -> None:
+    third = find_exercise("3")
+    right = (SOLUTIONS / third.slug / third.files[0]).read_text("utf-8")
+    wrong = right.replace("TURN_GAIN * heading_error(", "TURN_GAIN * 57.3 * heading_error(")
+    said = []
+    for source in (right, wrong):
+        (tmp_path / third.files[0]).write_text(source, "utf-8")
+        with NodeTrials(find_submission(tmp_path / third.files[0]), forkserver) as trials:
+            said.append(list(remarks_on([trials.get("goal_origin_to_5_3")])))
+    assert said[0] == []
+    assert (
+        "In goal_origin_to_5_3 the commands turned the robot from one side straight" in said[1][0]
+    )
+
+
 def test_praise_is_for_all_points_and_not_for_one_check(forkserver: ForkServer) -> None:
     submission = find_submission(SOLUTIONS / FIRST.slug / NAME)
     grading = grade_submission(FIRST, submission, forkserver, file=NAME, only=["wiring"])
