@@ -57,11 +57,14 @@ def objections(claim: Claim, grading: Grading) -> list[str]:
             found.append(f"gets {grading.score} of {most}: fails {failed}")
         if claim.field_ready and grading.field_ready is False:
             found.append(f"claims to be field-ready and fails {sorted(failed)}")
+    if claim.kind == "reference":
         found += [
-            f"is right, and told: in {recording.name}, {said}"
+            f"is told: in {recording.name}, {said}"
             for recording in grading.recordings
             for said in noted_of(recording, models=False)
         ]
+        ends = [each.ending for each in grading.recordings if each.ending]
+        found += [f"after Ctrl-C {end.problem}" for end in ends if end.problem]
     return found
 
 

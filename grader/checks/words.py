@@ -29,6 +29,7 @@ LEAST_WAY = 0.5  # [m] driven in at least one world
 STILL = 0.05  # [m/s]
 PATIENCE = 1.5  # [s] that a robot may stand though its way is free
 PUBLISH_ONCE = "Publish once at the end of the callback, whatever the message was."
+KEPT_BACK = "What keeps it back: an early return, a condition, a memory that never fills?"
 
 
 def wired(runs: Runs, *nodes: str) -> None:
@@ -109,7 +110,7 @@ def require_allowed(
     elif not (case.said and case.count):
         message = f"no {noun} came"
         actual = f"none; the last one, {actual}, still counts" if case.said else "none"
-        help = PUBLISH_ONCE if topic == CMD_VEL_TOPIC else help
+        help = PUBLISH_ONCE if topic == CMD_VEL_TOPIC else KEPT_BACK
     else:
         message = f"wrong {wrong}" + (f" on {topic}" if topic != CMD_VEL_TOPIC else "")
         if isinstance(said, float) and not (help and math.isnan(said)):  # NaN may be computed

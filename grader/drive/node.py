@@ -228,6 +228,6 @@ def drive_in(submission: Submission, scenario: Scenario, forkserver: Launcher) -
     with_frames = msgspec.structs.replace(scenario, transforms=Transforms(enabled=True))
     for limits in (PATIENCE, SECOND_LOOK):
         recording = drive_node(submission, with_frames, forkserver, limits=limits, interrupt=False)
-        if recording.outcome.kind != "hung":
+        if recording.outcome.kind not in ("hung", "slow"):
             break
     return recording

@@ -35,6 +35,7 @@ ENDED = {  # by the kind of the outcome
     "exited": "The node called exit() in a world that is not published.",
     "died": "The node's process ended in a world that is not published.",
     "hung": "A callback did not return in a world that is not published.",
+    "slow": "The node computed for too long in a world that is not published.",
 }
 NOTE = (
     "This course hides the worlds of its gradings: of a check there is the outcome, and no replay. "

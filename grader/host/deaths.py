@@ -162,6 +162,14 @@ def _nothing(error: BaseException, frame: FrameType, line: int) -> str:
     names = [name for value in values for name, _, is_ in [value.partition(" = ")] if is_ == "None"]
     if len(names) != 1 or "not callable" in str(error):
         return ""
+    if (
+        f"{names[0]} is not None" in (text := _lines_before(frame, line, count=0))
+        and " or " in text
+    ):
+        return (
+            f"here {names[0]} is None, and what follows `or` is computed just then: brackets say "
+            "what belongs together, `a and (b or c)`"
+        )
     return (
         f"here {names[0]} is None: ask `if {names[0]} is None` before. If it never should be, does "
         "what made it `return` a value on every path, and has the first message come?"

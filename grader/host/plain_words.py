@@ -218,6 +218,12 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     ),
     (
         "ValueError",
+        r"features of shape.*got \(1, 1, \d+\)|Found array with dim 3",
+        "one bracket too many: features is a table of one row already, so predict(features), and "
+        "not predict([features])",
+    ),
+    (
+        "ValueError",
         r"Expected 2D array|expecting \d+ features|features of shape|Reshape your data",
         "the model wants a row for each sample, (1, 5) here: features.reshape(1, -1)",
     ),

@@ -303,7 +303,8 @@ _COMPILED = [(rule, re.compile(rule.text), re.compile(rule.line)) for rule in RU
 
 WAITS = (  # what a line that waits for good holds, and what to do
     (r"\.sleep\(", r"rate", "a rate's sleep() waits for a timer, which only the executor that "
-     "runs this callback could fire: make a timer, self.create_timer(0.1, self.tick)"),
+     "runs this callback could fire: a timer's own callback needs no sleep, anything else becomes "
+     "one, self.create_timer(0.1, self.tick)"),
     (r"\.call\(", "", "call() waits for an answer, which only the executor that runs this "
      "callback could deliver: call_async(request), and add_done_callback on its future"),
     (r"spin_until_future_complete|\.spin_once\(|\.spin\(", "", "a callback can't spin: it is run "

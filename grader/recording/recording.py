@@ -51,8 +51,8 @@ class Outcome:
     `kind` is `completed` (the scenario ran to its end with the node alive) or one of
     `missing` (a file of the submission), `unreadable`, `syntax_error`, `exception`, `returned`,
     `exited` (sys.exit), `died` (the process vanished), `hung` (no answer within the wall time),
-    `stuck` (a deadlock), `never_spun`, `flooded`, `forged`, `real_time` (it can't run in virtual
-    time, and has to run again).
+    `slow` (answers, but not done within it), `stuck` (a deadlock), `never_spun`, `flooded`,
+    `forged`, `real_time` (it can't run in virtual time, and has to run again).
     """
 
     kind: str

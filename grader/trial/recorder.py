@@ -100,6 +100,7 @@ class Recorder:
         charged: bool = False,
     ) -> Recording:
         """Return the recording of a trial that is over, with what the robot did in it."""
+        ours = {spec.file for spec in simulation.scenario.program if spec.supplied}
         compute = np.array(self.compute, dtype=float).reshape(-1, 4).T
         return Recording(
             scenario=simulation.scenario,
@@ -117,7 +118,11 @@ class Recorder:
             live=live,
             inferences=tuple(asked),
             charged=charged,
-            notes=tuple(note for note in self._notes.values() if _holds(note, outcome.at)),
+            notes=tuple(
+                note
+                for note in self._notes.values()
+                if _holds(note, outcome.at) and note.line.partition(", ")[0] not in ours
+            ),
         )
 
     def _message(self, published: Published, began: int, reached: int) -> Message:

@@ -34,8 +34,8 @@ MAX_SAID = 200  # [characters] of an error in a message
 IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
 NOT_RUN = "The node {ended} in the run {name}, so {count} were left out."
 ENDED = {"hung": "hung", "never_spun": "never spun"}
-AFTER = "After the run {name} the node was sent Ctrl-C: {what}. This costs no points."
-PATIENCE = 300.0  # [s] of wall time that the virtual trials of a submission may take in all
+AFTER = "After the run {name} the node was sent Ctrl-C, which costs no points: {what}"
+PATIENCE = 300.0  # [s] of wall time, less waits for a CPU, that all its virtual trials may take
 HURRIED = Limits(total=20.0)  # once they have
 MUCH, LITTLE = 128 * 2**20, 2**20  # [bytes] published in all trials; then in each that is left
 SLOW = (
@@ -209,7 +209,8 @@ class NodeTrials(Trials):
         """Say what grew, in the one trial that shows the most of it."""
         found = [(growth_of(recording, models=False), recording) for recording in self.recordings()]
         found.sort(key=lambda each: (len(each[0]), each[1].duration_s))
-        return [f"In {run.name}, {line.rstrip('.')}." for said, run in found[-1:] for line in said]
+        lines = [f"In {run.name}, {line}" for said, run in found[-1:] for line in said]
+        return [line if line.endswith((".", "?")) else f"{line}." for line in lines]
 
     def _after_interrupt(self) -> list[str]:
         ends = [(each.name, each.ending) for each in self.recordings() if each.ending]
@@ -347,12 +348,15 @@ class NodeTrials(Trials):
             files=files,
             interrupt=scenario.name == self._interrupted,
         )
-        self._took.append(real_clock.perf_counter() - began)
+        spent = real_clock.perf_counter() - began
+        self._took.append(spent - float(recording.compute.queued.sum()))
         self._published += sum(len(message.data) for message in recording.published)
         if self.forkserver.practice:
             return recording  # there is no real time: the node hangs, or can't run
         if recording.outcome.kind == "real_time":
             self._why_real = recording.outcome.text
+        elif recording.outcome.kind == "slow":
+            self._took.append(PATIENCE)
         elif recording.outcome.kind == "hung":
             return self._look_again(scenario, recording)
         if self._why_real is not None:

@@ -179,7 +179,7 @@ class _Trial:
             while isinstance(answer, Settled) and simulation.now < end:
                 waited = min(self._waited, BUSY * limits.total)
                 if real_clock.perf_counter() > began_at + limits.total + waited:
-                    return self._outcome("hung", _too_slow(limits, self._simulation))
+                    return self._outcome("slow", _too_slow(limits, self._simulation))
                 began = simulation.now
                 self._at = began / 1e9
                 told = tuple(told for _, told in self._models.due(began))
@@ -213,10 +213,11 @@ class _Trial:
     def _interrupt(self, limit: float) -> Conversation[Ending]:
         """Send SIGINT, and let the programs have a second to end.
 
-        Meanwhile the robot says again what it said in its last second. `limit` [s] is of CPU time
-        in all, and of wall time for each answer, as a busy machine gives it. Nothing of this gets
-        into the record, which is complete.
+        Meanwhile the robot says again what it said in its last second, and models answer. `limit`
+        [s] is of CPU time in all, and of wall time for each answer, as a busy machine gives it.
+        Nothing of this gets into the record, which is complete.
         """
+        complete = len(self._models.inferences)
         end, until = self._simulation.end, self._simulation.end + END_NS
         again = [
             m for m in self._recorder.delivered if end - END_NS < m.time and m.topic in SENSORS
@@ -226,9 +227,11 @@ class _Trial:
         due: list[Message] = []
         try:
             while True:
+                told = tuple(told for _, told in self._models.due(now))
                 upto = again[0].time + END_NS if again else until
+                upto = min(upto, self._models.next_due or until)
                 deliver = tuple(Delivery(message.topic, message.data) for message in due)
-                said, cost = yield Run(upto, deliver, interrupt=interrupt), limit
+                said, cost = yield Run(upto, deliver, told, interrupt=interrupt), limit
                 spent += cost.wall if math.isnan(cost.cpu) else cost.cpu
                 if isinstance(said, Slept):
                     raise HostForged("a start after the end")
@@ -241,18 +244,21 @@ class _Trial:
                     break
                 if spent > limit:
                     raise HostHung(self._link.stacks())
-                if now >= until or said.asked:  # no model answers any more
+                if now >= until:
                     kind, text, detail = "running", "", ""
                     break
-                due = [message for message in again if message.time + END_NS == upto]
+                for question in said.asked:
+                    self._models.ask(question, now)
+                due = [message for message in again if message.time + END_NS == now]
                 again, interrupt = again[len(due) :], False
         except HostHung as hung:
             kind, text, detail = "hung", f"it computes for more than {limit:.0f} s", hung.stacks
         except HostDied:
             kind, text, detail = "died", died_text(self._link.wait(GRACE)), ""
-        except (HostForged, Flood, Excess) as error:
+        except (HostForged, Flood, Excess, TooManyQuestions) as error:
             kind, text = misbehaviour(error)
             detail = ""
+        del self._models.inferences[complete:]
         outcome = Outcome(kind, text, now / 1e9, detail)
         return Ending(outcome, tuple(recorder.published))
 

@@ -124,8 +124,8 @@ def _unmoved(recording: Recording) -> str:
     return (
         f"every command is {speeds[0]:.2f} m/s, and the model says {min(said):.2f} to "
         f"{max(said):.2f} m/s. Is its answer used, or thrown away as too old or invalid? "
-        "Or do int(…), // or a clip with swapped limits, min(max(speed, 0.0), self.max_speed), "
-        "make it one number?"
+        "Or do int(…), //, or a clip that is not min(max(speed, 0.0), self.max_speed), make it one "
+        "number?"
     )
 
 

@@ -23,13 +23,13 @@ SILENT = ("one_command_per_scan", "silent_until_ready")  # nothing before the fi
 ONCE = "one_command_per_scan"
 FULL = 12  # readings; a memory of ten is full
 LATE = 0.005  # [s]
-EVERY = re.compile(r"one every (\d+) ms")  # what a check of a rate expects
+EVERY = re.compile(r"\bevery (\d+) ms")  # what a check of a rate expects
 
 
 def kept_waiting(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
     """Return which callback waits for good, or takes as long as the commands are late."""
     recording = trials.get(failed[0].scenario or "")
-    every = EVERY.match(failed[0].expected)
+    every = EVERY.search(failed[0].expected)
     for note in recording.notes if recording is not None else ():
         since, lasted = note.time / 1e9, note.lasted / 1e9
         file, _, line = note.line.rpartition(", ")

@@ -121,12 +121,17 @@ def _block(task: Any, begin: int, now: int) -> Note | None:
     code = getattr(getattr(callback, "func", callback), "__code__", None)
     if code is None or not host.is_beside(code.co_filename):
         return None
-    group = entity.callback_group if isinstance(task._executor(), MultiThreadedExecutor) else None
+    group = entity.callback_group if _has_threads(task._executor()) else None
     more = _kept_waiting(task, entity, group)
     if isinstance(entity, Timer) and now - begin > entity.timer_period_ns:
         more = more or OWN_TIMER
     place = place_of(code, code.co_firstlineno)
     return Note("lasts", code.co_name, place, 1, max(0, begin), now - begin, more) if more else None
+
+
+def _has_threads(executor: Any) -> bool:
+    """Return whether an executor runs callbacks of several groups side by side."""
+    return isinstance(executor, MultiThreadedExecutor) and executor._executor._max_workers > 1
 
 
 def _kept_waiting(task: Any, entity: Any, group: Any) -> str:

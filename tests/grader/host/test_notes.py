@@ -90,6 +90,9 @@ SAID = [
      r"tick \(node.py, line \d+\) took 1.2 s from 0.50 s on; meanwhile waited: /scan"),
     (SLEEPS.format(group=ALONE, threads=1), "meanwhile waited: /scan"),
     (SLEEPS.format(group=ALONE, threads=2), "meanwhile waited: its own timer"),
+    (SLEEPS.format(group=ALONE, threads=2).replace(
+        "spin(node, threads=2)", "pool = MultiThreadedExecutor(1); pool.add_node(node)\npool.spin()"
+    ), "meanwhile waited: /scan"),
     (SLEEPS.format(group=ALONE, threads=2).replace("0.5,", "1.5,"), ""),
     (SPINS, ""),
     (SPINS.replace("for _ in range(12):", "while rclpy.ok():").replace(
