@@ -1,7 +1,8 @@
 """The expert whose speeds exercise 2's models learn; only an instructor's copy has this file.
 
-The expert looks at the whole exact scan, so that no formula of the five features gives its speeds,
-and no rule of three of them comes near (`tests/grader/models/test_expert.py`).
+The expert looks at the whole exact scan. No rule of three features and no polynomial of all five up
+to the third degree comes as near as exercise 2 asks (`tests/grader/models/test_expert.py`). Whoever
+knows this file comes near with its own formula, for the published expert alone.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 """One training: run the student's script on made data, and ask its models about hidden scans.
 
 The judge makes the data and keeps the hidden labels. With a seed other than the scenario's, they
-are those of another expert: what was learned at home helps no more. The script runs twice, each time in a fresh
-host; a third host loads what it wrote. If the first run ends with an error, the script gets plain
-numbers instead of a lidar's: one row that it does not expect should not hide all else it can do.
-The judge itself never unpickles anything: it only carries bytes from one host to the next, and
-reads numbers.
+are those of another expert: what was learned at home helps no more. The script runs twice, each
+time in a fresh host; a third host loads what it wrote. If the first run ends with an error, the
+script gets plain numbers instead of a lidar's: one row that it does not expect should not hide all
+else it can do. The judge itself never unpickles anything: it only carries bytes from one host to
+the next, and reads numbers.
 """
 
 from __future__ import annotations
