@@ -77,4 +77,3 @@ def test_a_graded_class_gets_another_expert() -> None:
     pairs = itertools.combinations(drawn, 2)
     assert min(np.abs(one - other).mean() for one, other in pairs) > 0.0
     assert len({round(float(own.mean()), 1) for own in drawn}) > 1
-
