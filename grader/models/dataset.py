@@ -108,9 +108,10 @@ def _practice() -> tuple[dict[int, Floats], dict[int, Floats]]:
 def baselines(data: Dataset) -> str:
     """Say in a line what errors are to be beaten: those of a model that sees nothing."""
     error = float(np.abs(data.speed - np.median(data.speed)).mean())
-    rooms = len(np.unique(data.room))
+    count = len(np.unique(data.room))
+    rooms = "one room" if count == 1 else f"{count} rooms"
     standing = 100 * float((data.speed == 0.0).mean())
     return (
-        f"{len(data.speed)} scans of {rooms} rooms; in {standing:.0f} % the expert stands still; "
+        f"{len(data.speed)} scans of {rooms}; in {standing:.0f} % the expert stands still; "
         f"who always says {np.median(data.speed):.2f} m/s errs by {error:.3f} m/s"
     )
