@@ -35,7 +35,8 @@ def test_the_data_are_those_of_the_command(kernel: Kernel, folder: Path) -> None
         np.testing.assert_array_equal(file["ranges"], made.ranges)
         np.testing.assert_array_equal(file["speed"], made.speed)
         np.testing.assert_array_equal(file["room"], made.room)
-    shapes = kernel.run("print(data.ranges.shape, data.speed.shape, data.room.shape, data.angles.shape)")
+    kernel.run("shapes = [a.shape for a in (data.ranges, data.speed, data.room, data.angles)]")
+    shapes = kernel.run("print(*shapes)")
     assert shapes.stdout == "(100, 360) (100,) (100,) (360,)\n"
     assert kernel.run("show_features(data.scan(0));").traceback == ""
 
