@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +51,6 @@ class Scans:
     room: NDArray[np.int64]  # (n,)
 
 
-@lru_cache(maxsize=8)
 def make_scans(rows: int, seed: int, *, blind: bool, plain: bool) -> Scans:
     """Return so many scans; the same seed gives the same poses, whatever the lidar does.
 

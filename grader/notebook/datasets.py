@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from grader.errors import InputError
-from grader.models.dataset import PROFILE, Dataset, baselines, make_dataset
+from grader.models.dataset import Dataset, baselines, make_dataset
+from grader.models.scans import PROFILE
 from grader.notebook.child import environment
 from grader.notebook.program import run
 from grader.notebook.session import SESSION

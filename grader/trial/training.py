@@ -30,8 +30,9 @@ from grader.link.link import Link
 from grader.link.log import LogLine
 from grader.link.scratch import fresh_folder
 from grader.link.workplace import Excess
-from grader.models.dataset import HAS_EXPERT, PROFILE, Dataset, make_dataset
+from grader.models.dataset import HAS_EXPERT, Dataset, make_dataset
 from grader.models.features import features
+from grader.models.scans import PROFILE
 from grader.recording import (
     COMPLETED,
     Floats,

@@ -15,9 +15,10 @@ from grader.course.students import student_key
 from grader.course.submission import Submission, find_submission
 from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
-from grader.models.dataset import PROFILE, make_dataset
+from grader.models.dataset import make_dataset
 from grader.models.expert import PUBLISHED
 from grader.models.features import features
+from grader.models.scans import PROFILE
 
 sklearn = pytest.importorskip("sklearn.ensemble", reason="scikit-learn is not installed")
 pytest.importorskip("skl2onnx", reason="skl2onnx is not installed")

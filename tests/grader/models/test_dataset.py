@@ -10,9 +10,9 @@ import pytest
 from grader.authoring.practice import ROWS, practice
 from grader.errors import GraderError, InputError
 from grader.models import dataset as judged
-from grader.models.dataset import PRACTICE, PROFILE, baselines, make_dataset, recorded
+from grader.models.dataset import PRACTICE, baselines, make_dataset, recorded
 from grader.models.features import features
-from grader.models.scans import Scans, make_scans
+from grader.models.scans import PROFILE, Scans, make_scans
 
 MOST = 2_000_000  # [bytes] of a student's copy for data
 LATE = [pytest.param(seed, marks=pytest.mark.long) for seed in ROWS if seed not in (5, 83)]
@@ -20,7 +20,7 @@ LATE = [pytest.param(seed, marks=pytest.mark.long) for seed in ROWS if seed not 
 
 def test_the_same_seed_gives_the_same_data() -> None:
     first, other = make_dataset(150, 3), make_dataset(150, 4)
-    make_scans.cache_clear()
+    make_dataset.cache_clear()
     again = make_dataset(150, 3)
     assert np.array_equal(first.ranges, again.ranges, equal_nan=True)
     assert np.array_equal(first.speed, again.speed)
@@ -87,6 +87,7 @@ def test_students_have_what_the_published_expert_says(seed: int) -> None:
 
 def test_a_students_copy_gives_the_same_data(monkeypatch: pytest.MonkeyPatch) -> None:
     ours = [make_dataset(600, 83, blind=False), make_dataset(600, 5)]
+    make_dataset.cache_clear()
     monkeypatch.setattr(judged, "its_expert", None)
     theirs = [make_dataset(600, 83, blind=False), make_dataset(600, 5)]
     for our, their in zip(ours, theirs, strict=True):
@@ -94,6 +95,7 @@ def test_a_students_copy_gives_the_same_data(monkeypatch: pytest.MonkeyPatch) ->
     for rows, seed, expert in ((2000, 77, None), (2001, 1, None), (100, 1, 5)):
         with pytest.raises(InputError, match="labels for: 1 "):
             make_dataset(rows, seed, expert=expert)
+    make_dataset.cache_clear()
 
 
 def test_labels_of_other_scans_are_refused() -> None:
