@@ -38,7 +38,10 @@ ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = "rclpy_agents_course"
 FOLDERS = ("grader", "sim", "exercises", "rclpy_portable")
 FILES = ("constraints.txt",)
-LEFT_OUT = shutil.ignore_patterns("__pycache__", "build", "*.pyc", ".unpacking-*", "resource")
+LEFT_OUT = shutil.ignore_patterns(
+    "__pycache__", "build", "*.pyc", ".unpacking-*", "resource",
+    "expert.py",  # a wheel lies beside students' notebooks
+)  # fmt: skip
 
 
 def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:

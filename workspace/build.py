@@ -46,7 +46,7 @@ WEB = ("start.js", "worker.js", "workspace.js", "workspace.css")
 COURSE = re.compile(
     rf"sim/(?!live/)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
     rf"|workspace/(runtime|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
-    r"|grader/(?!exercises|authoring|classroom|cli|drive|lms|nbgrader|notebook|testing"
+    r"|grader/(?!exercises|authoring|classroom|cli|drive|lms|nbgrader|notebook|testing|models/expert"
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
 FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")

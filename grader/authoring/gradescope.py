@@ -20,7 +20,7 @@ from grader.course.exercises import all_exercises, find_exercise
 from grader.errors import GraderError, InputError
 
 NAME = "autograder.zip"
-ROOMS = ("classroom",)  # that students don't get and an autograder needs
+ROOMS = ("classroom", "expert.py")  # that students don't get and an autograder needs
 DEEP = ("torch", "keras")  # libraries of exercise 8
 PROGRAM, PLAIN, PRIVATE = 0o100755, 0o100644, 0o100600
 

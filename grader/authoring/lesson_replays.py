@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import re
 import shlex
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -31,6 +32,7 @@ COMMAND.add_argument("--seed", type=int)
 COMMAND.add_argument("--param", action="append", default=[])
 
 LESSONS = ROOT / "lessons"
+MADE = re.compile(r"(?m)^\$ python3 (\S+)$")  # a listing that writes what another reads
 WATCHED = re.compile(r"(?m)^```\{watch\} (?P<name>\w+)\n:drive: (?P<drive>.+)$")
 LISTING = re.compile(
     r"(?ms)^```\{code-block\} python\n:caption: (?P<file>\S+)\n\n(?P<text>.*?)^```$"
@@ -56,6 +58,8 @@ def write(out: Path, forkserver: ForkServer) -> None:
         for page in LESSONS.glob("*.md"):
             for found in LISTING.finditer(page.read_text("utf-8")):
                 Path(name, found["file"]).write_text(found["text"], "utf-8")
+            for maker in MADE.findall(page.read_text("utf-8")):
+                subprocess.run([sys.executable, maker], check=True, cwd=name, capture_output=True)
         for replay, words in watched().items():
             (out / f"{replay}.html").write_text(driven(Path(name), words, forkserver), "utf-8")
 

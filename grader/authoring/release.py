@@ -18,14 +18,16 @@ from grader.course.exercises import ROOT, SOLUTIONS, all_exercises
 from grader.errors import GraderError, InputError
 
 # The grader's packages and modules for instructors and contributors; not in the students' copy.
-INSTRUCTORS = ("authoring", "classroom", "build.py", "generated.py", "skeletons.py")
+INSTRUCTORS = (
+    "authoring", "classroom", "build.py", "expert.py", "generated.py", "skeletons.py",
+)  # fmt: skip
 PACKAGE = (".xml", ".cfg", ".yaml", ".rviz")  # suffixes of the files of a ROS package
 MARKER = "resource"  # folder with a ROS package's marker file, which has no suffix
 LESSONS = "lessons"
 MADE = ("build", "dist", "_ros")  # folders that are made when they are needed
 KEPT = {
     "sim": (".py", ".toml", *PACKAGE),
-    "grader": (".py", ".toml", ".xml", ".js", ".css", ".html"),
+    "grader": (".py", ".toml", ".xml", ".js", ".css", ".html", ".npz"),
     "exercises": (".py", ".md", ".toml", *PACKAGE),
     "rclpy_portable": (".py",),
     LESSONS: (".md", ".png", ".svg"),

@@ -13,7 +13,7 @@ from grader.report.foreign import echo
 EXAMPLES = """\b
 Examples:
   course dataset train.npz
-  course dataset more.npz --seed 7 --scans 5000
+  course dataset other_rooms.npz --seed 7 --scans 1000
 """
 
 
@@ -23,13 +23,12 @@ Examples:
 @click.option("--scans", type=click.IntRange(100, 100_000), default=2000, help="How many.")
 def dataset(out: Path, seed: int, scans: int) -> int:
     """Make data to learn from: OUT.npz with scans of the mock lidar and an expert's speeds."""
-    from grader.models.dataset import make_dataset  # noqa: PLC0415
+    from grader.models.dataset import baselines, make_dataset  # noqa: PLC0415
 
     if out.suffix != ".npz":
         raise InputError(f"{out}: expected a name that ends in .npz")
     check_writable(out)
     made = make_dataset(scans, seed)
     made.save(out)
-    standing = 100 * float((made.speed == 0.0).mean())
-    echo(f"{out}: {scans} scans; in {standing:.0f} % of them the expert stands still")
+    echo(f"{out}: {baselines(made)}")
     return FULL

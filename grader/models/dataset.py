@@ -1,24 +1,11 @@
-"""Training data: scans from seeded worlds, with the speed at which an expert would drive.
+"""Training data: scans from seeded rooms, with the speed at which an expert would drive.
 
-Observations (`ranges`)
-    One row per scan of the default lidar, as it reads: 5 mm of noise, +inf where nothing came back,
-    -inf where something nearly touches the robot, one reading in fifty NaN, and now and then a
-    whole sector without readings.
-
-Labels (`speed`)
-    The speed [m/s] of an expert who knows the exact distances, at most 0.5 m/s. What is ahead has
-    to be a second away, less 0.3 m. Where the way is narrow the expert drives slower, and where
-    things stand at many distances ahead. No rule of one or two features comes within the 0.03 m/s
-    that exercise 2 asks of a model; a forest or a small network of all five does.
-
-Poses
-    Half of them anywhere in the world, half near an obstacle, where the speed changes.
+An instructor's copy asks the expert (`grader.models.expert`). A student's has no expert, but what
+the published one said about the scans of some seeds (`practice.npz`).
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -26,33 +13,19 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.models.features import BACK_EDGE, FRONT_EDGE, features
-from sim.caster import Caster, static_faces
-from sim.clearance import is_inside
-from sim.faults import measured, speckle
-from sim.layout import Layout
-from sim.lidar import PROFILES, readings
-from sim.placement import build_layout
-from sim.scenario import Faults
-from sim.world import Clutter, Pillar, Wall, World
+from grader.errors import GraderError, InputError
+from grader.models.scans import PROFILE, Scans, make_scans
+
+try:
+    from grader.models import expert as its_expert
+except ImportError:  # a student's copy
+    its_expert = None  # type: ignore[assignment]
 
 Floats = NDArray[np.float64]
 
-PROFILE = PROFILES["default"]
-ROWS_PER_WORLD = 100
-ROBOT_RADIUS = 0.17  # [m]
-MAX_SPEED = 0.5  # [m/s]
-STOP_SHORT = 0.3  # [m]
-HEADWAY = 1.0  # [s] to what is ahead
-WIDE = 3.0  # [m] of room at both sides together, from which on the way is not narrow
-EVEN, UNEVEN = 0.625, 2.5  # [m] standard deviation ahead: no clutter, and nothing but clutter
-NARROWEST, MOST_CLUTTERED = 0.15, 0.3  # parts of the speed that are left at least
-NEAR = (0.18, 0.7)  # [m] from a surface, for the poses near something
-FAULTS = Faults(range_noise=0.005, beam_dropout=0.01, nan_speckle=0.02)
-TOUCHING = 0.2  # [m] closer than this, half of the scans read -inf
-BLIND_PART = 0.03  # of the rows have a sector without any reading
-SECTORS = ((-FRONT_EDGE, FRONT_EDGE), (FRONT_EDGE, BACK_EDGE), (-BACK_EDGE, -FRONT_EDGE))  # [°]
-MARGIN = 2.0  # [°] by which a blind sector is wider on each side
+HAS_EXPERT = its_expert is not None
+PRACTICE = Path(__file__).with_name("practice.npz")
+ROUNDING = 0.01  # [m] of the nearest readings there
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +34,7 @@ class Dataset:
 
     ranges: NDArray[np.float32]  # (n, 360) [m]
     speed: Floats  # (n,) [m/s]
+    room: NDArray[np.int64]  # (n,) of the data set
 
     def save(self, path: Path) -> None:
         """Write the .npz file that a training script reads."""
@@ -68,6 +42,7 @@ class Dataset:
             path,
             ranges=self.ranges,
             speed=self.speed,
+            room=self.room,
             angle_min=PROFILE.angle_min,
             angle_increment=PROFILE.angle_increment,
             range_min=PROFILE.range_min,
@@ -75,110 +50,67 @@ class Dataset:
         )
 
 
-def expert_speed(exact: Floats) -> Floats:
-    """Return the expert's (n,) speeds [m/s] where these are the (n, 5) exact features [m]."""
-    nearest, _, deviation, left, right = exact.T
-    free = np.clip((nearest - STOP_SHORT) / HEADWAY, 0.0, MAX_SPEED)
-    room = np.clip((left + right) / WIDE, NARROWEST, 1.0)
-    clear = np.clip(1.0 - (deviation - EVEN) / UNEVEN, MOST_CLUTTERED, 1.0)
-    speed: Floats = free * room * clear
-    return speed
-
-
 @lru_cache(maxsize=8)
-def make_dataset(rows: int, seed: int, *, blind: bool = True, plain: bool = False) -> Dataset:
-    """Return `rows` labelled scans; the same seed gives the same data.
+def make_dataset(
+    rows: int, seed: int, *, blind: bool = True, plain: bool = False, expert: int | None = None
+) -> Dataset:
+    """Return `rows` labelled scans; the same seeds give the same data.
 
     Parameters
     ----------
-    blind
-        Some rows have a sector without any reading.
-    plain
-        Finite numbers only, as no lidar sends them: the exact distances, at most range_max.
+    blind, plain
+        See `grader.models.scans.make_scans`.
+    expert
+        The seed of an expert of one's own; None is the published one.
+
+    Raises
+    ------
+    InputError
+        A student's copy has no labels for these scans.
+    GraderError
+        The scans are not those that the labels were written for.
     """
-    ranges = np.empty((rows, PROFILE.beams), np.float32)
-    exact = np.empty((rows, PROFILE.beams))
-    for world, begin in enumerate(range(0, rows, ROWS_PER_WORLD)):
-        rng = np.random.default_rng((seed, world))
-        part = slice(begin, min(begin + ROWS_PER_WORLD, rows))
-        for row, scan in zip(range(part.start, part.stop), _scans(rng), strict=False):
-            exact[row] = scan
-            if plain:
-                ranges[row] = np.minimum(scan, PROFILE.range_max)
-                continue
-            read = readings(measured(scan, FAULTS, rng), PROFILE)
-            if rng.random() < 0.5:
-                read[scan < TOUCHING] = -np.inf
-            ranges[row] = speckle(read, FAULTS, rng)
-            if blind and rng.random() < BLIND_PART:
-                ranges[row, _sector(*SECTORS[rng.integers(len(SECTORS))])] = np.nan
-    seen = features(exact, np.degrees(PROFILE.angles), PROFILE.range_min, PROFILE.range_max)
-    return Dataset(ranges, expert_speed(seen))
+    scans = make_scans(rows, seed, blind=blind, plain=plain)
+    if its_expert is not None:
+        speed = its_expert.speeds(scans.exact, its_expert.character(expert))
+    else:
+        speed = recorded(scans, seed, expert)
+    return Dataset(scans.ranges, speed.astype(np.float32).astype(float), scans.room)
 
 
-def _scans(rng: np.random.Generator) -> Iterator[Floats]:
-    """Yield exact (360,) ranges [m] from poses in one random world, for ever."""
-    layout = build_layout(_world(rng), start=(0.0, 0.0, 0.0), rng=rng)
-    faces = static_faces(layout)
-    caster = Caster(
-        faces,
-        beams=PROFILE.beams,
-        per_turn=PROFILE.per_turn,
-        angle_min=PROFILE.angle_min,
-        range_max=PROFILE.range_max,
-    )
-    near = False
-    while True:
-        x, y, yaw = _pose_near(faces, rng) if near else _pose_anywhere(rng)
-        ranges = caster.cast(x, y, yaw)
-        if ranges.min() < ROBOT_RADIUS or _is_outside(layout, x, y):
-            continue
-        near = not near
-        yield ranges
-
-
-def _world(rng: np.random.Generator) -> World:
-    """Return a walled room with boxes and pillars in it."""
-    width, depth = rng.uniform(5.0, 10.0), rng.uniform(4.0, 9.0)  # [m]
-    x, y = width / 2, depth / 2
-    pillars = tuple(
-        Pillar(
-            (float(rng.uniform(1.0, x)), float(rng.uniform(-y, y))), float(rng.uniform(0.1, 0.3))
+def recorded(scans: Scans, seed: int, expert: int | None) -> Floats:
+    """Return what the published expert said about these scans (see `make_dataset`)."""
+    speeds, nearest = _practice()
+    rows, labelled = len(scans.ranges), speeds.get(seed, np.empty(0))
+    if expert is not None or rows > len(labelled):
+        there = ", ".join(f"{s} ({len(said)} scans)" for s, said in sorted(speeds.items()))
+        raise InputError(
+            f"seed {seed}, {rows} scans: expected what a student's copy has labels for: {there}"
         )
-        for _ in range(rng.integers(4))
+    if np.abs(scans.exact.min(axis=1) - nearest[seed][:rows]).max() > ROUNDING:
+        raise GraderError("this machine makes other scans than those in practice.npz")
+    return labelled[:rows]
+
+
+@lru_cache(maxsize=1)
+def _practice() -> tuple[dict[int, Floats], dict[int, Floats]]:
+    """Return by seed the speeds [m/s], and the nearest exact reading of each scan [m]."""
+    with np.load(PRACTICE) as data:
+        found = {name: data[name].astype(float) for name in data.files}
+    speeds, nearest = (
+        {int(name.removeprefix(kind)): found[name] for name in found if name.startswith(kind)}
+        for kind in ("speed", "nearest")
     )
-    count = int(width * depth * rng.uniform(0.08, 0.2))
-    return World(
-        walls=(Wall(((-x, -y), (x, -y), (x, y), (-x, y)), closed=True),),
-        pillars=pillars,
-        clutter=(Clutter(((-x, -y), (x, y)), count, (0.15, 0.8)),),
+    return speeds, nearest
+
+
+def baselines(data: Dataset) -> str:
+    """Say in a line what errors are to be beaten: those of a model that sees nothing."""
+    error = float(np.abs(data.speed - np.median(data.speed)).mean())
+    count = len(np.unique(data.room))
+    rooms = "one room" if count == 1 else f"{count} rooms"
+    standing = 100 * float((data.speed == 0.0).mean())
+    return (
+        f"{len(data.speed)} scans of {rooms}; in {standing:.0f} % the expert stands still; "
+        f"who always says {np.median(data.speed):.2f} m/s errs by {error:.3f} m/s"
     )
-
-
-def _pose_anywhere(rng: np.random.Generator) -> tuple[float, float, float]:
-    x, y = rng.uniform(-5.0, 5.0), rng.uniform(-4.5, 4.5)
-    return float(x), float(y), float(rng.uniform(-math.pi, math.pi))
-
-
-def _pose_near(faces: Floats, rng: np.random.Generator) -> tuple[float, float, float]:
-    """Return a pose near a face, which is roughly ahead."""
-    begin, end = faces[rng.integers(len(faces))]
-    along = end - begin
-    normal = np.array([-along[1], along[0]]) / math.hypot(*along)  # towards the face's visible side
-    point = begin + rng.random() * along
-    x, y = point + rng.uniform(*NEAR) * normal
-    yaw = math.atan2(-normal[1], -normal[0]) + rng.uniform(-0.8, 0.8)
-    return float(x), float(y), yaw
-
-
-def _is_outside(layout: Layout, x: float, y: float) -> bool:
-    """Return whether a point lies in a solid, or beyond the room's wall."""
-    corners = layout.walls[0]
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    inside = low[0] < x < high[0] and low[1] < y < high[1]
-    return not inside or is_inside(layout, (x, y))
-
-
-def _sector(begin: float, end: float) -> NDArray[np.bool_]:
-    degrees = np.degrees(PROFILE.angles)
-    return (degrees >= begin - MARGIN) & (degrees <= end + MARGIN)

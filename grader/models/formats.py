@@ -27,8 +27,9 @@ from typing import Any
 
 import numpy as np
 
-from grader.models.dataset import PROFILE, make_dataset
+from grader.models.dataset import make_dataset
 from grader.models.features import features
+from grader.models.scans import PROFILE
 
 FEATURES = 5
 ONNX_OPSETS = (("", 17), ("ai.onnx.ml", 3))

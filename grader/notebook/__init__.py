@@ -174,8 +174,8 @@ def dataset(file: str | Path = "train.npz", *, scans: int = 2000, seed: int = 1)
     Returns
     -------
     NotebookDataset
-        `.ranges` (scans, 360) [m], `.speed` (scans,) [m/s]: what an expert would drive, and
-        `.angles` (360,) [rad], positive to the left.
+        `.ranges` (scans, 360) [m], `.speed` (scans,) [m/s]: what an expert would drive,
+        `.room` (scans,), and `.angles` (360,) [rad], positive to the left.
     """
     with kind_errors():
         from grader.notebook.datasets import write_dataset  # noqa: PLC0415

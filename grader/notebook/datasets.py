@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from grader.errors import InputError
-from grader.models.dataset import PROFILE, make_dataset
+from grader.models.dataset import Dataset, baselines, make_dataset
+from grader.models.scans import PROFILE
 from grader.notebook.child import environment
 from grader.notebook.program import run
 from grader.notebook.session import SESSION
@@ -29,11 +30,25 @@ class NotebookDataset:
     """Labelled scans, as in the file."""
 
     file: Path
-    ranges: NDArray[np.float32]  # (scans, 360) [m]
-    speed: NDArray[np.float64]  # (scans,) [m/s]
+    made: Dataset
     angles: NDArray[np.float64]  # (360,) [rad], positive to the left
     range_min: float = PROFILE.range_min  # [m]
     range_max: float = PROFILE.range_max  # [m]
+
+    @property
+    def ranges(self) -> NDArray[np.float32]:
+        """(scans, 360) [m]."""
+        return self.made.ranges
+
+    @property
+    def speed(self) -> NDArray[np.float64]:
+        """(scans,) [m/s]."""
+        return self.made.speed
+
+    @property
+    def room(self) -> NDArray[np.int64]:
+        """(scans,) in which of the rooms each was made."""
+        return self.made.room
 
     def scan(self, index: int) -> tuple[NDArray[np.float32], float, float, float, float]:
         """Return one scan as `show_scan` and `show_features` take it."""
@@ -44,11 +59,7 @@ class NotebookDataset:
 
     def __repr__(self) -> str:
         """Describe the data, as `course dataset` does."""
-        standing = 100 * float((self.speed == 0.0).mean())
-        return (
-            f"{self.file}: {len(self.speed)} scans; in {standing:.0f} % of them "
-            "the expert stands still"
-        )
+        return f"{self.file}: {baselines(self.made)}"
 
 
 def write_dataset(file: Path, *, scans: int, seed: int) -> NotebookDataset:
@@ -67,7 +78,7 @@ def write_dataset(file: Path, *, scans: int, seed: int) -> NotebookDataset:
         raise InputError(f"seed={seed}: expected 0 or more")
     made = make_dataset(scans, seed)
     made.save(file)
-    return NotebookDataset(file, made.ranges, made.speed, PROFILE.angles)
+    return NotebookDataset(file, made, PROFILE.angles)
 
 
 def train_model(script: Path, *, data: Path, out: Path, onnx: Path) -> bool:

@@ -1,10 +1,11 @@
 """One training: run the student's script on made data, and ask its models about hidden scans.
 
-The judge makes the data and keeps the hidden labels. The script runs twice, each time in a fresh
-host; a third host loads what it wrote. If the first run ends with an error, the script gets plain
-numbers instead of a lidar's: one row that it does not expect should not hide all else it can do.
-The judge itself never unpickles anything: it only carries bytes from one host to the next, and
-reads numbers.
+The judge makes the data and keeps the hidden labels. With a seed other than the scenario's, they
+are those of another expert: what was learned at home helps no more. The script runs twice, each
+time in a fresh host; a third host loads what it wrote. If the first run ends with an error, the
+script gets plain numbers instead of a lidar's: one row that it does not expect should not hide all
+else it can do. The judge itself never unpickles anything: it only carries bytes from one host to
+the next, and reads numbers.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from __future__ import annotations
 import math
 import zlib
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import msgspec
@@ -28,8 +30,9 @@ from grader.link.link import Link
 from grader.link.log import LogLine
 from grader.link.scratch import fresh_folder
 from grader.link.workplace import Excess
-from grader.models.dataset import PROFILE, Dataset, make_dataset
+from grader.models.dataset import HAS_EXPERT, Dataset, make_dataset
 from grader.models.features import features
+from grader.models.scans import PROFILE
 from grader.recording import (
     COMPLETED,
     Floats,
@@ -89,12 +92,16 @@ def run_training(
 def _train(
     submission: Submission, simulation: Simulation, spec: TrainingSpec, workshop: Launcher
 ) -> Trained:
-    data = make_dataset(spec.rows, 2 * simulation.seed)
-    hidden = make_dataset(spec.hidden_rows, 2 * simulation.seed + 1, blind=False)
+    own, seed = simulation.scenario.seed, simulation.seed
+    if not HAS_EXPERT:  # a student's copy: what the published one said, whatever the seed
+        seed = own
+    make = partial(make_dataset, expert=None if seed == own else seed)
+    data = make(spec.rows, 2 * seed)
+    hidden = make(spec.hidden_rows, 2 * seed + 1, blind=False)
     run, files, log = _run_script(submission, spec, data, workshop, (PICKLE, ONNX))
     training = Training(spec.script, runs=(run,), labels=hidden.speed.tobytes())
     if run.kind in FAILED and not run.succeeded:
-        data = make_dataset(spec.rows, 2 * simulation.seed, plain=True)
+        data = make(spec.rows, 2 * seed, plain=True)
         plain, files, _ = _run_script(submission, spec, data, workshop, (PICKLE, ONNX))
         training = msgspec.structs.replace(training, plain=plain)
     if training.made.succeeded and files:

@@ -29,13 +29,15 @@ HOSTILE = f"{RED}<script>alert(1)</script>"
 def test_the_data_are_those_of_the_command(kernel: Kernel, folder: Path) -> None:
     said = kernel.run("data = dataset('small.npz', scans=100, seed=3)\ndata")
 
-    assert said.text.strip().startswith("small.npz: 100 scans; in ")
+    assert said.text.strip().startswith("small.npz: 100 scans of one room; in ")
     with np.load(folder / "small.npz") as file:
         made = make_dataset(100, 3)
         np.testing.assert_array_equal(file["ranges"], made.ranges)
         np.testing.assert_array_equal(file["speed"], made.speed)
-    shapes = kernel.run("print(data.ranges.shape, data.speed.shape, data.angles.shape)")
-    assert shapes.stdout == "(100, 360) (100,) (360,)\n"
+        np.testing.assert_array_equal(file["room"], made.room)
+    kernel.run("shapes = [a.shape for a in (data.ranges, data.speed, data.room, data.angles)]")
+    shapes = kernel.run("print(*shapes)")
+    assert shapes.stdout == "(100, 360) (100,) (100,) (360,)\n"
     assert kernel.run("show_features(data.scan(0));").traceback == ""
 
 

@@ -40,6 +40,8 @@ def test_it_is_one_package_for_every_system(wheel: Path) -> None:
     scaffold = inside + "grader/authoring/scaffold/"  # of a new exercise: templates, no solution
     rest = [name for name in names if not name.startswith(scaffold)]
     assert not [name for name in rest if "solutions/" in name or "tests/" in name]
+    assert inside + "grader/models/practice.npz" in names
+    assert inside + "grader/models/expert.py" not in names  # it lies beside students' notebooks
 
 
 @pytest.mark.long

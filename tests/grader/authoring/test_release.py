@@ -47,6 +47,8 @@ def test_students_get_what_they_need(released: Path) -> None:
         assert any(path.startswith(f"grader/exercises/{exercise.slug}/") for path in there)
     assert {"README.md", "LICENSE", "pyproject.toml", "constraints.txt", "lessons/quiz.md"} <= there
     assert "sim/scenarios/demo/demo_wall.toml" in there
+    assert "grader/models/practice.npz" in there  # what exercise 2's expert said
+    assert "grader/models/expert.py" not in there
 
 
 @pytest.mark.long

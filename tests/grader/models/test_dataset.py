@@ -1,15 +1,21 @@
 """The data to learn from."""
 
-import itertools
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from grader.models.dataset import PROFILE, expert_speed, make_dataset
+from grader.authoring.practice import ROWS, practice
+from grader.errors import GraderError, InputError
+from grader.models import dataset as judged
+from grader.models.dataset import PRACTICE, baselines, make_dataset, recorded
 from grader.models.features import features
+from grader.models.scans import PROFILE, Scans, make_scans
 
-ACCURACY = 0.03  # [m/s] as exercise 2 asks for
+MOST = 2_000_000  # [bytes] of a student's copy for data
+LATE = [pytest.param(seed, marks=pytest.mark.long) for seed in ROWS if seed not in (5, 83)]
 
 
 def test_the_same_seed_gives_the_same_data() -> None:
@@ -21,37 +27,15 @@ def test_the_same_seed_gives_the_same_data() -> None:
     assert not np.array_equal(first.speed, other.speed)
 
 
-@pytest.mark.parametrize(
-    ("nearest", "deviation", "left", "right", "speed"),
-    [
-        (0.2, 0.0, 3.0, 3.0, 0.0),
-        (0.3, 0.0, 3.0, 3.0, 0.0),
-        (0.6, 0.0, 3.0, 3.0, 0.3),
-        (12.0, 0.0, 3.0, 3.0, 0.5),
-        (12.0, 0.0, 0.5, 1.0, 0.25),
-        (12.0, 0.0, 0.2, 0.2, 0.075),
-        (12.0, 1.875, 3.0, 3.0, 0.25),
-        (12.0, 5.0, 3.0, 3.0, 0.15),
-        (0.6, 1.875, 0.5, 1.0, 0.075),
-    ],
-)
-def test_the_expert_heeds_what_is_ahead_the_sides_and_the_clutter(
-    nearest: float, deviation: float, left: float, right: float, speed: float
-) -> None:
-    row = np.array([[nearest, 2.0, deviation, left, right]])
-    assert expert_speed(row)[0] == pytest.approx(speed)
+@pytest.mark.parametrize("lidar", [{"blind": False}, {"plain": True}])
+def test_whatever_the_lidar_does_poses_and_speeds_stay(lidar: dict[str, bool]) -> None:
+    assert np.array_equal(make_dataset(150, 3).speed, make_dataset(150, 3, **lidar).speed)
 
 
-def test_no_two_features_say_the_experts_speed() -> None:
-    """Bins of two features, as fine as the data allow, err more than exercise 2 takes."""
-    data = make_dataset(1200, 5, blind=False)
-    seen = features(data.ranges, np.degrees(PROFILE.angles), PROFILE.range_min, PROFILE.range_max)
-    for pair in itertools.combinations(seen.T, 2):
-        parts = [np.searchsorted(np.quantile(x, np.linspace(0, 1, 11)[1:-1]), x) for x in pair]
-        cell = 10 * parts[0] + parts[1]
-        spoken = np.array([np.median(data.speed[cell == k]) for k in np.unique(cell)])
-        error = np.abs(data.speed - spoken[np.unique(cell, return_inverse=True)[1]]).mean()
-        assert error > ACCURACY
+def test_a_hundred_rows_come_from_each_room() -> None:
+    data = make_dataset(250, 3)
+    assert np.bincount(data.room).tolist() == [100, 100, 50]
+    assert np.array_equal(data.speed[:100], make_dataset(100, 3).speed)
 
 
 def test_data_hold_what_a_lidar_sends_and_all_speeds() -> None:
@@ -77,7 +61,55 @@ def test_the_file_holds_what_the_exercise_says(tmp_path: Path) -> None:
     make_dataset(150, 3).save(tmp_path / "train.npz")
     with np.load(tmp_path / "train.npz") as data:
         assert data["ranges"].shape == (150, 360)
-        assert data["speed"].shape == (150,)
+        assert data["speed"].shape == data["room"].shape == (150,)
         assert data["range_max"] == PROFILE.range_max
         angles = data["angle_min"] + data["angle_increment"] * np.arange(360)
     assert np.allclose(angles, PROFILE.angles)
+
+
+def test_a_line_says_what_is_to_be_beaten() -> None:
+    data = make_dataset(200, 3)
+    error = np.abs(data.speed - np.median(data.speed)).mean()
+    assert baselines(data).startswith("200 scans of 2 rooms; in ")
+    assert baselines(data).endswith(f"m/s errs by {error:.3f} m/s")
+
+
+# --- a student's copy ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [83, *LATE])
+def test_students_have_what_the_published_expert_says(seed: int) -> None:
+    """After a change of the expert or the scans: `python -m grader.authoring.practice`."""
+    with np.load(PRACTICE) as data:
+        for name, made in practice(seed, ROWS[seed]).items():
+            assert np.array_equal(data[name], made)
+
+
+def test_a_students_copy_gives_the_same_data(monkeypatch: pytest.MonkeyPatch) -> None:
+    ours = [make_dataset(600, 83, blind=False), make_dataset(600, 5)]
+    make_dataset.cache_clear()
+    monkeypatch.setattr(judged, "its_expert", None)
+    theirs = [make_dataset(600, 83, blind=False), make_dataset(600, 5)]
+    for our, their in zip(ours, theirs, strict=True):
+        assert np.array_equal(our.speed, their.speed)
+    for rows, seed, expert in ((2000, 77, None), (2001, 1, None), (100, 1, 5)):
+        with pytest.raises(InputError, match="labels for: 1 "):
+            make_dataset(rows, seed, expert=expert)
+    make_dataset.cache_clear()
+
+
+def test_labels_of_other_scans_are_refused() -> None:
+    scans = make_scans(100, 1, blind=True, plain=False)
+    moved = Scans(scans.ranges, scans.exact + 0.02, scans.room)
+    with pytest.raises(GraderError, match="other scans"):
+        recorded(moved, 1, None)
+
+
+def test_the_data_fit_into_a_students_copy_and_work_without_the_expert() -> None:
+    assert PRACTICE.stat().st_size < MOST
+    code = (
+        "import sys; sys.modules['grader.models.expert'] = None\n"
+        "from grader.models.dataset import HAS_EXPERT, make_dataset\n"
+        "assert not HAS_EXPERT and len(make_dataset(100, 1).speed) == 100\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
