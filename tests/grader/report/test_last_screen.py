@@ -25,7 +25,12 @@ MISTAKES = {  # what stands there, what stands instead: what the cause says
     "a class": ("twist = Twist()", "twist = Twist", "brackets make one"),
     "an owned name": ("self.scan_subscription =", "self.subscriptions =", "self.my_subscriptions"),
     "nothing": ("distance is None or ", "", "Here distance is None: ask"),
-    "a rate": (SPEED, f"{SPEED}\n        self.create_rate(10).sleep()", "make a timer"),
+    "an or": (
+        "distance is None or ",
+        "distance is not None and distance > 9.0 or ",
+        "brackets say what",
+    ),
+    "a rate": (SPEED, f"{SPEED}\n        self.create_rate(10).sleep()", "needs no sleep"),
     "asyncio": (SPEED, f"{SPEED}; import asyncio; asyncio.get_running_loop()", "a thread do"),
     "a field": (SPEED, "twist.linear.X = speed", "it has x, y, z"),
     "defined twice": (
