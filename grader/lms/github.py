@@ -2,7 +2,8 @@
 
 Source: github/gh-classroom, cmd/gh-classroom/clone/student-repos/student-repos.go: the clones lie
 in `SLUG-submissions` and keep the repository's name, which GitHub Classroom makes of the
-assignment's slug and the student's user name. Git itself is never run in them.
+assignment's slug and the student's user name, with `-1` for who accepts the assignment twice
+(github-education-resources/classroom, issue 1206). Git itself is never run in them.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from grader.lms.names import numbered
 from grader.lms.platform import Entry, Platform, Read, Who
 
 ENDING = "-submissions"
@@ -24,7 +26,8 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
         return Read(left=list(paths))
     theirs = [path for path in clones if path.name.startswith(prefix) and path.name != prefix]
     return Read(
-        [Entry(path, _who(path.name.removeprefix(prefix))) for path in theirs],
+        [Entry(path, _who(path.name.removeprefix(prefix)), version=numbered(path.name)[1])
+         for path in theirs],  # fmt: skip
         left=[path for path in paths if path not in set(theirs)],
     )
 

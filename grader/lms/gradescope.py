@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import date, datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import IO, Any
 
@@ -58,13 +58,14 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
             reason = f"{METADATA} does not say whose it is"
             found.set_aside.append(SetAside(path.name, reason))
             continue
+        version = _microseconds(about.time)
         people = (Who(name or email or sid, "gradescope", sid, email)
                   for name, sid, email in about.people)  # fmt: skip
-        found.entries.extend(Entry(path, who, time=about.time) for who in people)
-    missing = sorted(set(known) - {path.name for path in paths})
-    found.set_aside.extend(
-        SetAside(name, f"in {METADATA}, but there is no such folder") for name in missing
-    )
+        found.entries.extend(Entry(path, who, version=version, time=about.time) for who in people)
+    for name in sorted(set(known) - {path.name for path in paths}):
+        whose = ", ".join(one_line(next(filter(None, each)), 60) for each in known[name].people)
+        reason = f"in {METADATA}, but there is no such folder; it is of {whose or 'nobody'}"
+        found.set_aside.append(SetAside(name, reason))
     return found
 
 
@@ -90,7 +91,7 @@ def submissions_in(file: IO[bytes]) -> dict[str, _Submission]:
 
     Raises Refused: they are no metadata.
     """
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    loader = getattr(yaml, "CBaseLoader", yaml.BaseLoader)  # 0012 is a number of a student's
     known = yaml.load(file.read(MAX_METADATA).decode("utf-8"), loader)
     if not isinstance(known, Mapping):
         raise Refused("a folder's name to a line each")
@@ -106,14 +107,22 @@ def _submission(about: object) -> _Submission:
         for one in (people if isinstance(people, list) else [])
         if isinstance(one, Mapping)
     ]
-    return _Submission(
-        [one for one in each if any(one)], time.isoformat() if isinstance(time, datetime) else ""
-    )
+    moment = re.sub(r"\s+(?=(?:Z|[+-]\d\d:?\d\d)$)", "", _text(time))
+    return _Submission([one for one in each if any(one)], moment if _microseconds(moment) else "")
 
 
 def _text(value: object) -> str:
-    """Return what is a text or a number; a list that holds itself many times is neither."""
-    return str(value) if value and isinstance(value, str | int | float | date) else ""
+    """Return what is a text; a list that holds itself many times is none."""
+    return value if isinstance(value, str) else ""
+
+
+def _microseconds(time: str) -> int:
+    """Return a time as a number; 0 if it is none."""
+    try:
+        moment = datetime.fromisoformat(time)
+    except ValueError:
+        return 0
+    return int(moment.replace(tzinfo=moment.tzinfo or UTC).timestamp() * 1e6)
 
 
 def sheet(header: Sequence[str]) -> str:

@@ -19,6 +19,7 @@ from pathlib import Path
 
 from grader.course.submission import read_regular_file
 from grader.lms.book import Book, Mark, Task
+from grader.lms.folders import LITTER
 from grader.lms.platform import Entry, Platform, Read, SetAside, Who
 
 _TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
@@ -37,13 +38,14 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
     """Return each student's latest attempt at each assignment; older ones are set aside."""
     found = Read()
     names = {path.name for path in paths}
+    folders = [path.name for path in paths if path.is_dir() and path.name not in LITTER]
     for path in paths:
         beside = {each for side in names.intersection(SIDES) for each in SIDES[side]}
         if path.name in beside:
             found.set_aside.append(SetAside(path.name, "a part of nbgrader's course", fault=False))
         elif path.is_symlink() or not path.is_dir():
             found.left.append(path)
-        elif path.name in SIDES and names.intersection(SIDES[path.name]):
+        elif path.name in SIDES and (names.intersection(SIDES[path.name]) or len(folders) == 1):
             _of_course(path, found)
         else:
             _attempt(path, found)

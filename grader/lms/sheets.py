@@ -236,8 +236,8 @@ def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:
         participants = frozenset({repository.casefold()})
     name = _first(cells, NAMES)
     if not name:
-        first, last = _first(cells, FIRST), _first(cells, LAST)
-        name = f"{last}, {first}" if kind == "canvas" else f"{first} {last}".strip()
+        first, last = (unquoted(_first(cells, each)) for each in (FIRST, LAST))
+        name = f"{last}, {first}" if kind == "canvas" and first else f"{first} {last}".strip()
     name = unquoted(name)
     if kind == "github" and not name:
         name = ids.get(OWN, "")
