@@ -22,6 +22,7 @@ from grader.errors import GraderError, InputError
 
 STORE = "store.sqlite"
 ALIKE = "alike"  # what the store calls it
+UNWRITTEN = "unwritten"  # and that results are being written, or were when it was killed
 
 
 @contextlib.contextmanager
@@ -81,4 +82,7 @@ def write_class(
         log=log,
         published=published(counting, results, options.students),
     )
-    return results, write_results(results, out, wanted)
+    store.keep(UNWRITTEN, "yes")
+    written = write_results(results, out, wanted)
+    store.keep(UNWRITTEN, "")
+    return results, written

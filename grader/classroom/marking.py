@@ -19,7 +19,7 @@ from grader.classroom.amendments.apply import amended, version_of
 from grader.classroom.amendments.change import Accept, Assign, Change, Undo, Whom
 from grader.classroom.amendments.log import Entry, active, undone_by
 from grader.classroom.amendments.people import find_student, nearest, the_student
-from grader.classroom.folder import locked, opened, write_class
+from grader.classroom.folder import UNWRITTEN, locked, opened, write_class
 from grader.classroom.intake.whose import Known
 from grader.classroom.marks import checks_of, points_of, state_of, tasks_of
 from grader.classroom.results.options import OPTIONS, ResultOptions, kept_options
@@ -29,6 +29,10 @@ from grader.course.exercises import find_exercise
 from grader.errors import InputError, naming_a_full_disk
 from grader.lms.book import StudentRow, Task
 
+UNFINISHED = (
+    ". The files here are older than that: the last command was ended while it wrote them; "
+    "`course marks write {}` does"
+)
 NO_SPACE = (
     "the disk is full: what is in the log of marks stays there (`course report {out}` prints it), "
     "but not all results were written. Free some space, and run `course marks write {out}`"
@@ -121,7 +125,8 @@ class Marking:
         """Return the class in a line."""
         states = Counter(state_of(result) for result in self.results)
         counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
-        return f"{len(self.students)} students; as graded: {counts}"
+        text = f"{len(self.students)} students; as graded: {counts}"
+        return text + (UNFINISHED.format(self.out) if self.store.kept(UNWRITTEN) else "")
 
     def student(self, word: str) -> str:
         """Return the student whom a word means.

@@ -7,7 +7,7 @@ import functools
 import multiprocessing
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from itertools import groupby, product
 from pathlib import Path
@@ -21,7 +21,7 @@ from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.page import render
 from grader.classroom.results.scores import book_of, scores_csv
 from grader.classroom.row import StoredResult, as_graded
-from grader.errors import is_disk_full
+from grader.errors import GraderError, is_disk_full
 from grader.lms import PLATFORMS
 from grader.lms.book import Book, Task
 from grader.lms.clean import one_line
@@ -31,6 +31,10 @@ CLASS_PAGE = "class.html"
 PUBLISHED = "published"  # the folder
 BOM = "\ufeff"  # without it Excel doesn't read the file as UTF-8
 MANY = 20  # students; for fewer, starting more processes does not pay
+ENDED = (
+    "a process that makes feedback pages was ended from outside (is there memory enough?); what is "
+    "graded and logged is stored, and `course marks write {out}` writes the rest"
+)
 Results = Sequence[StoredResult]
 Tasks = Mapping[str, Task]  # by slug, in the order of the lesson
 OURS = {"scores.csv": "every grading, for a spreadsheet", "intake.csv": "what became of each file"}
@@ -173,8 +177,11 @@ def _made(results: Results, tasks: Tasks, options: ResultOptions, out: Path) -> 
         yield from map(make, students)
         return
     # spawned: this process may have threads, of Dask or the progress bar
-    with ProcessPoolExecutor(options.workers, multiprocessing.get_context("spawn")) as pool:
-        yield from pool.map(make, students)
+    try:
+        with ProcessPoolExecutor(options.workers, multiprocessing.get_context("spawn")) as pool:
+            yield from pool.map(make, students)
+    except BrokenExecutor:
+        raise GraderError(ENDED.format(out=out)) from None
 
 
 def _write_student(tasks: Tasks, options: ResultOptions, out: Path, results: Results) -> Written:
@@ -205,10 +212,12 @@ def _write_student(tasks: Tasks, options: ResultOptions, out: Path, results: Res
 
 
 def _write_published(results: Results, tasks: Tasks, options: ResultOptions, done: Written) -> None:
-    """Copy what students may see anew: the pages that are published, and no other."""
+    """Copy what students may see: the pages that are published, and no other.
+
+    Students may read them meanwhile, so a page that stays is never away.
+    """
     folder, shown = done.out / PUBLISHED, options.published or ()
-    for page in folder.glob("*/*.html"):
-        page.unlink()
+    before, there = len(done.files), set(folder.glob("*/*.html"))
     theirs = [each for each in results if (each.student, each.exercise) in shown]
     for student, each in groupby(theirs, key=lambda result: result.student):
         mine = list(each)
@@ -216,9 +225,11 @@ def _write_published(results: Results, tasks: Tasks, options: ResultOptions, don
         index = index_page(student, shown_now, tasks, options.title)
         done.text(f"{PUBLISHED}/{student}/index.html", index)
         for name in [f"{one.exercise}.html" for one in mine if is_graded(one)]:
-            if (done.out / "feedback" / student / name).is_file():  # else it could not be made
-                shutil.copyfile(done.out / "feedback" / student / name, folder / student / name)
-                done.files.append(folder / student / name)
+            page = done.out / "feedback" / student / name
+            if page.is_file():  # else it could not be made
+                done.text(f"{PUBLISHED}/{student}/{name}", page.read_text("utf-8"))
+    for page in there.difference(done.files[before:]):
+        page.unlink()
     for emptied in (*folder.glob("*/"), folder):
         with contextlib.suppress(OSError):  # it holds pages, or somebody's own files
             emptied.rmdir()

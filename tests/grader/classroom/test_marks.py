@@ -21,6 +21,7 @@ from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import the_student
 from grader.classroom.marking import marking, reading
 from grader.classroom.marks import points_of, tasks_of
+from grader.classroom.results import write
 from grader.classroom.row import GRADED, HELD
 from grader.classroom.store import Store
 from grader.errors import InputError
@@ -298,6 +299,33 @@ def test_times_that_are_none(tmp_path: Path, graded: Path) -> None:
         moment_of("tomorrow", "UTC")
     with pytest.raises(InputError, match="expected a time span"):
         span_of("a while")
+
+
+def test_pages_stay_published_while_they_are_written_and_a_kill_is_told(
+    mark: Callable[..., Any], graded: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mark(Publish((), Whom()))
+    page = graded / "published/bob/obstacle_avoidance.html"
+    before, real = page.read_bytes(), write.index_page
+    made: list[Any] = []
+
+    def killed(*about: Any) -> str:
+        made.append(about)
+        if len(made) <= 3:  # of feedback; then come those that are published
+            return real(*about)
+        assert page.read_bytes() == before
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(write, "index_page", killed)
+    with pytest.raises(KeyboardInterrupt):
+        mark(Score(SLUG, 30, ANN))
+    assert page.read_bytes() == before
+    monkeypatch.undo()
+    with marking(graded) as class_:
+        assert f"course marks write {graded}" in class_.summary()
+        class_.write()
+        assert "course marks write" not in class_.summary()
+    assert points(graded)["ann"] == "30"
 
 
 # --- what is published -------------------------------------------------------------------------
