@@ -126,7 +126,12 @@ class Marking:
         states = Counter(state_of(result) for result in self.results)
         counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
         text = f"{len(self.students)} students; as graded: {counts}"
-        return text + (UNFINISHED.format(self.out) if self.store.kept(UNWRITTEN) else "")
+        return text + (UNFINISHED.format(self.out) if self.unfinished else "")
+
+    @property
+    def unfinished(self) -> bool:
+        """Whether results are being written, or a command was ended meanwhile."""
+        return bool(self.store.kept(UNWRITTEN))
 
     def student(self, word: str) -> str:
         """Return the student whom a word means.

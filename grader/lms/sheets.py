@@ -168,7 +168,7 @@ def lines_in(file: IO[bytes]) -> list[list[str]]:
     data = file.read(MAX_SHEET + 1)
     if len(data) > MAX_SHEET:
         raise Refused(f"over {MAX_SHEET:,} bytes")
-    lines = list(islice(_rows(_decoded(data)), MAX_ROWS + 1))
+    lines = list(islice(_rows(decoded(data)), MAX_ROWS + 1))
     if not lines or len(lines) > MAX_ROWS:
         raise Refused(f"{len(lines):,} lines")
     columns = len(lines[0])
@@ -182,7 +182,8 @@ def _possible(header: Sequence[str], rows: Sequence[Sequence[str]]) -> dict[str,
     return dict(zip(header, found[0], strict=True)) if found else {}
 
 
-def _decoded(data: bytes) -> str:
+def decoded(data: bytes) -> str:
+    """Return the text of a file, whatever spreadsheet has written it."""
     for encoding in ("utf-8-sig", "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8"):
         try:
             return data.decode(encoding)
