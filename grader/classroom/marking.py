@@ -225,7 +225,7 @@ class Marking:
             _check_undo(change, entries)
         before, known = self._amended(entries)
         entry = log.append(change, who, why)
-        after, missing = self._written()
+        after, missing = self._written(before)
         remarks = [each for each in self._amended(log.entries())[1] if each not in known]
         return Marked(entry, self._shifts(before, after), remarks, missing, _fewer(before, after))
 
@@ -286,8 +286,10 @@ class Marking:
     def _amended(self, entries: Sequence[Entry]) -> tuple[list[StoredResult], list[str]]:
         return amended(self.results, active(entries), self.rows)
 
-    def _written(self) -> tuple[list[StoredResult], list[str]]:
-        results, written = write_class(self.store, self.out, self.options)
+    def _written(
+        self, before: Sequence[StoredResult] = ()
+    ) -> tuple[list[StoredResult], list[str]]:
+        results, written = write_class(self.store, self.out, self.options, before)
         return [result for result in results if not result.canary], written.missing
 
     def _shifts(self, before: Sequence[StoredResult], after: Sequence[StoredResult]) -> list[str]:

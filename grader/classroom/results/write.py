@@ -6,7 +6,7 @@ import contextlib
 import functools
 import multiprocessing
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from itertools import groupby, product
@@ -63,10 +63,13 @@ class Written:
             self.missing.append(f"{name}: {type(error).__name__}: {one_line(error, 200)}")
 
 
-def write_results(results: Results, out: Path, options: ResultOptions | None = None) -> Written:
+def write_results(
+    results: Results, out: Path, options: ResultOptions | None = None,
+    same: Collection[str] = (),
+) -> Written:  # fmt: skip
     """Write the class report, feedback and gradebooks into `out`.
 
-    The same results give the same files. Each file is replaced atomically, so nobody reads half of
+    The pages of students who are the `same` as the last time stay. The same results give the same files. Each file is replaced atomically, so nobody reads half of
     one. The files of a platform, the pages of a student and the class report fail alone; the report
     names what is missing.
 
@@ -77,12 +80,12 @@ def write_results(results: Results, out: Path, options: ResultOptions | None = N
     book = book_of(known, tasks, options)
     _write_tables(known, tasks, options, done)
     _write_gradebooks(book, tasks, options, done)
-    for each in _made(known, tasks, options, out):
+    for each in _made([r for r in known if r.student not in same], tasks, options, out):
         done.files.extend(each.files)
         done.missing.extend(each.missing)
     _write_feedback_zips(book, tasks, options, done)
     with done.part("the published feedback"):
-        _write_published(known, tasks, options, done)
+        _write_published(known, tasks, options, done, same)
     shutil.rmtree(out / CHECKS, ignore_errors=True)
     with done.part(CHECKS):
         for name, text in check_pages(known, tasks.values(), options):
@@ -211,24 +214,32 @@ def _write_student(tasks: Tasks, options: ResultOptions, out: Path, results: Res
     return Written(out, [write_text(folder / "index.html", lost_page(student))], done.missing)
 
 
-def _write_published(results: Results, tasks: Tasks, options: ResultOptions, done: Written) -> None:
+def _write_published(
+    results: Results, tasks: Tasks, options: ResultOptions, done: Written, same: Collection[str]
+) -> None:
     """Copy what students may see: the pages that are published, and no other.
 
     Students may read them meanwhile, so a page that stays is never away.
     """
     folder, shown = done.out / PUBLISHED, options.published or ()
-    before, there = len(done.files), set(folder.glob("*/*.html"))
+    there = set(folder.glob("*/*.html"))
+    stay: set[Path] = set()
     theirs = [each for each in results if (each.student, each.exercise) in shown]
     for student, each in groupby(theirs, key=lambda result: result.student):
         mine = list(each)
+        pages = [f"{one.exercise}.html" for one in mine if is_graded(one)]
+        pages = [each for each in pages if (done.out / "feedback" / student / each).is_file()]
+        wanted = {folder / student / each for each in ("index.html", *pages)}
+        stay |= wanted
+        if student in same and wanted == set((folder / student).glob("*.html")):
+            continue
         shown_now = [as_shown(result, options.hidden) for result in mine]
         index = index_page(student, shown_now, tasks, options.title)
         done.text(f"{PUBLISHED}/{student}/index.html", index)
-        for name in [f"{one.exercise}.html" for one in mine if is_graded(one)]:
-            page = done.out / "feedback" / student / name
-            if page.is_file():  # else it could not be made
-                done.text(f"{PUBLISHED}/{student}/{name}", page.read_text("utf-8"))
-    for page in there.difference(done.files[before:]):
+        for name in pages:
+            text = (done.out / "feedback" / student / name).read_text("utf-8")
+            done.text(f"{PUBLISHED}/{student}/{name}", text)
+    for page in there - stay:
         page.unlink()
     for emptied in (*folder.glob("*/"), folder):
         with contextlib.suppress(OSError):  # it holds pages, or somebody's own files

@@ -19,6 +19,7 @@ from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, U
 from grader.classroom.amendments.late import moment_of, span_of, times_of
 from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import the_student
+from grader.classroom.folder import UNWRITTEN
 from grader.classroom.marking import marking, reading
 from grader.classroom.marks import points_of, tasks_of
 from grader.classroom.results import write
@@ -312,7 +313,7 @@ def test_pages_stay_published_while_they_are_written_and_a_kill_is_told(
 
     def killed(*about: Any) -> str:
         made.append(about)
-        if len(made) <= 3:  # of feedback; then come those that are published
+        if len(made) == 1:  # of feedback; then comes the published one
             return real(*about)
         assert page.read_bytes() == before
         raise KeyboardInterrupt
@@ -345,3 +346,22 @@ def test_published_pages_are_kept_in_step(mark: Callable[..., Any], graded: Path
     assert not (there / "eve" / f"{SLUG}.html").exists()  # she is held
     mark(Undo(3))
     assert not there.exists()
+
+
+def test_a_change_writes_only_the_pages_that_it_changes(
+    mark: Callable[..., Any], graded: Path
+) -> None:
+    mark(Publish((), Whom()))
+    places = [graded / folder / student / "index.html" for folder in ("feedback", "published")
+              for student in ("ann", "bob")]  # fmt: skip
+    before = [each.stat().st_ino for each in places]  # replaced at once, so another is new
+    mark(Score(SLUG, 30, ANN))
+    after = [each.stat().st_ino for each in places]
+    assert [a == b for a, b in zip(before, after, strict=True)] == [False, True, False, True]
+    mark(Publish((), ANN), Undo(1))
+    assert [each.exists() for each in places] == [True, True, True, False]
+    (graded / "feedback/bob/index.html").unlink()
+    with Store(graded / "store.sqlite") as store:
+        store.keep(UNWRITTEN, "yes")  # a command was ended while it wrote
+    mark(Score(SLUG, 40, ANN))
+    assert places[1].is_file()
