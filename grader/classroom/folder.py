@@ -22,7 +22,7 @@ from grader.errors import GraderError, InputError
 
 STORE = "store.sqlite"
 ALIKE = "alike"  # what the store calls it
-UNWRITTEN = "unwritten"  # and that results are being written, or were when it was killed
+UNWRITTEN = "unwritten"  # and that not all results are: somebody is at it, was killed, or failed
 
 
 @contextlib.contextmanager
@@ -89,5 +89,5 @@ def write_class(
     new = {r.student for r in results if r != old.get((r.student, r.exercise))}
     store.keep(UNWRITTEN, "yes")
     written = write_results(results, out, wanted, {student for student, _ in old} - new)
-    store.keep(UNWRITTEN, "")
+    store.keep(UNWRITTEN, "yes" if written.missing else "")
     return results, written

@@ -29,10 +29,7 @@ from grader.course.exercises import find_exercise
 from grader.errors import InputError, naming_a_full_disk
 from grader.lms.book import StudentRow, Task
 
-UNFINISHED = (
-    ". The files here are older than that: the last command was ended while it wrote them; "
-    "`course marks write {}` does"
-)
+UNFINISHED = ". Not all results were written into the files here: `course marks write {}` does"
 NO_SPACE = (
     "the disk is full: what is in the log of marks stays there (`course report {out}` prints it), "
     "but not all results were written. Free some space, and run `course marks write {out}`"
@@ -130,7 +127,7 @@ class Marking:
 
     @property
     def unfinished(self) -> bool:
-        """Whether results are being written, or a command was ended meanwhile."""
+        """Whether not all results are written: somebody is at it, was killed, or failed."""
         return bool(self.store.kept(UNWRITTEN))
 
     def student(self, word: str) -> str:
@@ -286,9 +283,7 @@ class Marking:
     def _amended(self, entries: Sequence[Entry]) -> tuple[list[StoredResult], list[str]]:
         return amended(self.results, active(entries), self.rows)
 
-    def _written(
-        self, before: Sequence[StoredResult] = ()
-    ) -> tuple[list[StoredResult], list[str]]:
+    def _written(self, before: Sequence[StoredResult] = ()) -> tuple[list[StoredResult], list[str]]:
         results, written = write_class(self.store, self.out, self.options, before)
         return [result for result in results if not result.canary], written.missing
 

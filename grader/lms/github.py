@@ -26,8 +26,7 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
         return Read(left=list(paths))
     theirs = [path for path in clones if path.name.startswith(prefix) and path.name != prefix]
     return Read(
-        [Entry(path, _who(path.name.removeprefix(prefix)), version=numbered(path.name)[1])
-         for path in theirs],  # fmt: skip
+        [_entry(path, path.name.removeprefix(prefix)) for path in theirs],
         left=[path for path in paths if path not in set(theirs)],
     )
 
@@ -43,8 +42,8 @@ def _prefix(folder: Path, names: Sequence[str]) -> str:
     return common[: common.rfind("-") + 1]
 
 
-def _who(user: str) -> Who:
-    return Who(user, "github", user.casefold())
+def _entry(path: Path, user: str) -> Entry:
+    return Entry(path, Who(user, "github", user.casefold()), version=numbered(user)[1])
 
 
 def is_clone(path: Path) -> bool:

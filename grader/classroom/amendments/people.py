@@ -39,7 +39,8 @@ def the_student(word: str, students: Sequence[str], rows: Mapping[str, StudentRo
     near = [s for s in students if parts.intersection(_parts(" ".join(names[s])))]
     near = near or [called[n] for n in difflib.get_close_matches(word, called, NEAR, cutoff=0.5)]
     shown = [_told_apart(s, names[s], rows.get(s)) for s in dict.fromkeys(near)]
-    hint = f"did you mean {' or '.join(shown[:NEAR])}?" if shown else "scores.csv lists all students"
+    near_ones = " or ".join(shown[:NEAR])
+    hint = f"did you mean {near_ones}?" if shown else "scores.csv lists all students"
     raise InputError(f"expected one student of this class, not {one_line(word)!r}; {hint}")
 
 

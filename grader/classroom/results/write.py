@@ -69,9 +69,9 @@ def write_results(
 ) -> Written:  # fmt: skip
     """Write the class report, feedback and gradebooks into `out`.
 
-    The pages of students who are the `same` as the last time stay. The same results give the same files. Each file is replaced atomically, so nobody reads half of
+    The same results give the same files. Each file is replaced atomically, so nobody reads half of
     one. The files of a platform, the pages of a student and the class report fail alone; the report
-    names what is missing.
+    names what is missing. The pages of students who are the `same` as the last time stay.
 
     Raises OSError: a full disk, or a folder that can't be written.
     """

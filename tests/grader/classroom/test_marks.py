@@ -169,7 +169,10 @@ def test_nobody_and_nothing_is_guessed(graded: Path) -> None:
         ("ray, carla", ""),
         ("carla ray", ""),
         ("Lee", r"did you mean leeann_1 \(Ann Lee, 1\) or leeann_2 \(Ann Lee, 2\)\?"),
-        ("Ann Lee", r"not 'Ann Lee'; did you mean leeann_1 \(Ann Lee, 1\) or leeann_2 \(Ann Lee, 2\)\?"),
+        (
+            "Ann Lee",
+            r"not 'Ann Lee'; did you mean leeann_1 \(Ann Lee, 1\) or leeann_2 \(Ann Lee, 2\)\?",
+        ),
         ("Ray", r"did you mean raycarla_3 \(Carla Ray, 3\)\?"),
     ],
 )
