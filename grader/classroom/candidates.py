@@ -210,7 +210,7 @@ def _wanted(
         return {exercise.slug: exercise for exercise in named}
     handed_in = {slug for (_, slug), each in found.items() if each.files}
     if not handed_in:
-        first = min(students, key=lambda each: (not each.problem, not each.entries))
+        first = min(students, key=lambda each: (not each.problem, not each.files))
         problem = next(each.problem for (who, _), each in found.items() if who == first.id)
         where = ", ".join(map(str, submissions))
         raise InputError(

@@ -85,7 +85,8 @@ def _merge(people: list[Person], found: Sequence[Person], file: Path) -> tuple[i
     known = Roster(tuple(people))
     keys: set[str] = set()
     for person in found:
-        place = None if person.key in keys else _known(known, person)
+        key = person.key.casefold()  # platforms differ in whether capitals count
+        place = None if key in keys else _known(known, person)
         if place is None:
             people.append(person)
             place = len(people) - 1
@@ -99,12 +100,12 @@ def _merge(people: list[Person], found: Sequence[Person], file: Path) -> tuple[i
                 participants=old.participants | person.participants,
                 group=old.group or person.group,
             )
-        if place in places or person.key in keys:
+        if place in places or key in keys:
             raise InputError(
                 f"{file}: expected a row per person, but two are {person.name!r} "
                 f"({person.key}); remove one{'' if person.ids else ', or add a column id'}"
             )
-        keys.add(person.key)
+        keys.add(key)
         places.append(place)
     return tuple(places)
 

@@ -139,6 +139,7 @@ def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
         ("", "expected a CSV with headings"),
         ("a,b\n1,2\n", "the headings are 'a, b'"),
         ("id,name\n1,Ann\n1,Bob\n", "two are 'Bob'"),
+        ("id,name\nann,Ann\nAnn,Bob\n", "two are 'Bob'"),
         ("name\nAnn\nAnn\n", "add a column id"),
         ("\0\0\0", "expected a CSV"),
         ("name," + "x" * 200_000 + "\n" + "y" * 200_000, "a broken CSV"),
