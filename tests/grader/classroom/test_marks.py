@@ -16,7 +16,7 @@ from marked_class import ANN, CHECKS, WHY, judged, payload, points, scores
 
 from grader.classroom.amendments.apply import amended
 from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, Undo, Waive, Whom
-from grader.classroom.amendments.late import moment_of, span_of, times_of
+from grader.classroom.amendments.late import lateness, moment_of, span_of, times_of
 from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import the_student
 from grader.classroom.folder import UNWRITTEN
@@ -26,7 +26,7 @@ from grader.classroom.results import write
 from grader.classroom.row import GRADED, HELD
 from grader.classroom.store import Store
 from grader.errors import InputError
-from grader.lms.book import StudentRow
+from grader.lms.book import Handed, StudentRow
 from grader.lms.people import Person
 from grader.lms.sheets import read_roster
 
@@ -331,6 +331,22 @@ def test_pages_stay_published_while_they_are_written_and_a_kill_is_told(
         class_.write()
         assert "course marks write" not in class_.summary()
     assert points(graded)["ann"] == "30"
+
+
+@pytest.mark.parametrize(
+    ("deadline", "told", "days"),
+    [
+        ("2026-10-24T23:59", "Sunday, 25 October 2026, 11:59 PM", 1),  # 25 hours later
+        ("2026-10-24T23:59", "Monday, 26 October 2026, 12:00 AM", 2),
+        ("2026-10-25T02:59", "2026-10-25T02:10+01:00", 1),  # the hour that there is twice
+        ("2026-03-28T23:59", "Sunday, 29 March 2026, 11:59 PM", 1),
+        ("2026-03-29T02:30", "Sunday, 29 March 2026, 2:30 AM", 0),  # an hour that isn't there
+    ],
+)
+def test_late_days_where_clocks_change(deadline: str, told: str, days: int) -> None:
+    zone = "Europe/Berlin"
+    rule = Late(SLUG, 10, moment_of(deadline, zone), 0, 100, zone, {})
+    assert lateness(rule, "ann", Handed("moodle", time=told)) == (days, "")
 
 
 # --- what is published -------------------------------------------------------------------------
