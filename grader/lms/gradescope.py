@@ -12,7 +12,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import IO, Any
 
@@ -22,7 +21,7 @@ from grader.errors import InputError
 from grader.link.cell import CLASS, Refused, read_in_cell
 from grader.lms.book import Mark, Task
 from grader.lms.clean import one_line, visible
-from grader.lms.platform import Entry, Platform, Read, SetAside, Who
+from grader.lms.platform import Entry, Platform, Read, SetAside, Who, microseconds
 from grader.report.facts import UNJUDGED
 
 METADATA = "submission_metadata.yml"
@@ -58,7 +57,7 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
             reason = f"{METADATA} does not say whose it is"
             found.set_aside.append(SetAside(path.name, reason))
             continue
-        version = _microseconds(about.time)
+        version = microseconds(about.time)
         people = (Who(name or email or sid, "gradescope", sid, email)
                   for name, sid, email in about.people)  # fmt: skip
         found.entries.extend(Entry(path, who, version=version, time=about.time) for who in people)
@@ -108,21 +107,12 @@ def _submission(about: object) -> _Submission:
         if isinstance(one, Mapping)
     ]
     moment = re.sub(r"\s+(?=(?:Z|[+-]\d\d:?\d\d)$)", "", _text(time))
-    return _Submission([one for one in each if any(one)], moment if _microseconds(moment) else "")
+    return _Submission([one for one in each if any(one)], moment if microseconds(moment) else "")
 
 
 def _text(value: object) -> str:
     """Return what is a text; a list that holds itself many times is none."""
     return value if isinstance(value, str) else ""
-
-
-def _microseconds(time: str) -> int:
-    """Return a time as a number; 0 if it is none."""
-    try:
-        moment = datetime.fromisoformat(time)
-    except ValueError:
-        return 0
-    return int(moment.replace(tzinfo=moment.tzinfo or UTC).timestamp() * 1e6)
 
 
 def sheet(header: Sequence[str]) -> str:

@@ -14,13 +14,12 @@ import os
 import re
 import sys
 from collections.abc import Iterator, Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 
 from grader.course.submission import read_regular_file
 from grader.lms.book import Book, Mark, Task
 from grader.lms.folders import LITTER
-from grader.lms.platform import Entry, Platform, Read, SetAside, Who
+from grader.lms.platform import Entry, Platform, Read, SetAside, Who, microseconds
 
 _TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
 ATTEMPT = re.compile(rf"(?P<user>.+)\+(?P<assignment>[^+]+)\+{_TIME}(?:\+[\w-]+)?", re.DOTALL)
@@ -116,11 +115,7 @@ def _stamp(file: Path) -> str:
 
 def _microseconds(time: str) -> int:
     """Return a time of nbgrader's, which is UTC, as a number; 0 if it is none."""
-    try:
-        moment = datetime.fromisoformat(re.sub(r" [A-Z]+$", "", time))
-    except ValueError:
-        return 0
-    return int(moment.replace(tzinfo=moment.tzinfo or UTC).timestamp() * 1e6)
+    return microseconds(re.sub(r" [A-Z]+$", "", time))
 
 
 def _latest(found: Read) -> Read:
