@@ -24,7 +24,8 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
     prefix = _prefix(folder, [path.name for path in clones])
     if not prefix:
         return Read(left=list(paths))
-    theirs = [path for path in clones if path.name.startswith(prefix) and path.name != prefix]
+    there = [path for path in paths if path.is_dir() and not path.is_symlink()]  # or a copy
+    theirs = [path for path in there if path.name.startswith(prefix) and path.name != prefix]
     return Read(
         [_entry(path, path.name.removeprefix(prefix)) for path in theirs],
         left=[path for path in paths if path not in set(theirs)],

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -55,7 +56,7 @@ NAMES = ("student", "name", "full name", "student name")
 FIRST = ("first name", "firstname", "first_name")
 LAST = ("last name", "surname", "lastname", "last_name")
 SECTION = ("section", "sections", "group", "groups", "section name")
-TEST_STUDENT = ("Student, Test", "Test Student")  # of Canvas's student view
+TEST_STUDENT = re.compile(r"[0-9a-f]{40}")  # the login of Canvas's student view (course.rb)
 HELP = (
     "expected a CSV with headings: Canvas's or Moodle's gradebook export, Moodle's grading "
     "worksheet, Gradescope's or GitHub Classroom's roster, or your own with the columns "
@@ -215,10 +216,9 @@ def _is_person(kind: str, header: Sequence[str], row: Sequence[str]) -> bool:
         return cells.get("role", "").strip().casefold() in ("", "student")
     if kind != "canvas":
         return True
-    if row[0].strip() in TEST_STUDENT:
-        return False
-    about = [cell for cell, heading in zip(row, header, strict=True) if heading == "ID"]
-    return bool(about and about[0].strip()) and "Points Possible" not in row[0]
+    about = dict(zip(header, map(str.strip, row), strict=True))
+    tests = TEST_STUDENT.fullmatch(about.get("SIS Login ID", ""))
+    return bool(about.get("ID")) and not tests and "Points Possible" not in row[0]
 
 
 def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:

@@ -237,7 +237,8 @@ def test_clones_of_github_classroom(tmp_path: Path) -> None:
     for folder, users in ((named, ["ann-lee"]), (other, ["ann-lee", "ann-bo"])):
         for user in users:
             put(folder, f"week-1-{user}/.git/HEAD", f"week-1-{user}/{AGENT}")
-    assert list(graded(taken(named))) == ["ann-lee"]
+    put(named, f"week-1-cy/{AGENT}")  # a copy, without git
+    assert list(graded(taken(named))) == ["ann-lee", "cy"]
     assert len(graded(taken(other))) == 2
     assert all(".git" not in f.name for s in taken(other).students for f in s.files)
 

@@ -153,7 +153,7 @@ def test_what_is_no_roster(tmp_path: Path, text: str, said: str) -> None:
 
 
 def test_canvas_and_gradescope_have_people_who_are_no_students(tmp_path: Path) -> None:
-    canvas = CANVAS + '"Student, Test",99,,,A,,\n'
+    canvas = CANVAS + f'"Estudiante, Prueba",99,,{"5d" * 20},A,,\n'
     roster = read(tmp_path, canvas, "Name,SID,Email,Role\nDi,s9,d@uni.edu,Instructor\n")
     assert len(roster.people) == 3
 
