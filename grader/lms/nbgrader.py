@@ -19,6 +19,7 @@ from pathlib import Path
 from grader.course.submission import read_regular_file
 from grader.lms.book import Book, Mark, Task
 from grader.lms.folders import LITTER
+from grader.lms.names import may_enter
 from grader.lms.platform import Entry, Platform, Read, SetAside, Who, microseconds
 
 _TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
@@ -44,11 +45,25 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
             found.set_aside.append(SetAside(path.name, "a part of nbgrader's course", fault=False))
         elif path.is_symlink() or not path.is_dir():
             found.left.append(path)
-        elif path.name in SIDES and (names.intersection(SIDES[path.name]) or len(folders) == 1):
+        elif path.name in SIDES and (
+            names.intersection(SIDES[path.name]) or (len(folders) == 1 and _is_part(path))
+        ):
             _of_course(path, found)
         else:
             _attempt(path, found)
     return _latest(found)
+
+
+def _is_part(path: Path) -> bool:
+    """Return whether a folder is nbgrader's by what is in it; a student's may be called so, too."""
+    try:
+        inside = [each for each in path.iterdir() if each.is_dir()]
+        if path.name == "inbound":
+            return any(ATTEMPT.fullmatch(each.name) for each in inside)
+        work = [each for one in inside for each in one.iterdir() if may_enter(each.name)]
+        return bool(work) and all(each.is_dir() for each in work)
+    except OSError:
+        return False
 
 
 def _of_course(path: Path, found: Read) -> None:

@@ -228,8 +228,10 @@ def test_the_folder_above_a_download_is_no_student(
 
 
 def test_a_class_of_one_keeps_its_student(download: Path) -> None:
-    put(download, f"ann/week 1/{AGENT}")
-    assert list(graded(taken(download))) == ["ann"]
+    put(download, f"ann/submitted/src/{AGENT}", "ann/submitted/doc/a.md")
+    assert graded(taken(download)) == {"ann": f"ann/submitted/src/{AGENT}"}
+    put(download, f"bob/week 1/{AGENT}")
+    assert list(graded(taken(download))) == ["ann", "bob"]
 
 
 def test_clones_of_github_classroom(tmp_path: Path) -> None:
