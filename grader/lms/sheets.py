@@ -104,7 +104,8 @@ def _merge(people: list[Person], found: Sequence[Person], file: Path) -> tuple[i
         if place in places or key in keys:
             raise InputError(
                 f"{file}: expected a row per person, but two are {person.name!r} "
-                f"({person.key}); remove one{'' if person.ids else ', or add a column id'}"
+                f"({person.key}; capitals don't count); remove one"
+                f"{'' if person.ids else ', or add a column id'}"
             )
         keys.add(key)
         places.append(place)
