@@ -42,6 +42,10 @@ from grader.lms.times import times
 MOST_SHOWN = 20  # files of a student's for a person to read
 LONGEST_SHOWN = 100_000  # [bytes] of each
 OTHER_CLASS = "nobody in it handed in anything here: is it this class's roster?"
+ANONYMOUS = (
+    "the download is anonymous, and no gradebook has its ids; end that in the assignment's "
+    "settings and download it again, or say of each whose it is: course marks assign"
+)
 NOBODY_SO = "nobody in the roster is called so or has this id"
 SKELETON = "still as it was handed out, so it was not handed in"
 SOLE = "the only file that may be work"
@@ -206,11 +210,12 @@ def _wanted(
         return {exercise.slug: exercise for exercise in named}
     handed_in = {slug for (_, slug), each in found.items() if each.files}
     if not handed_in:
-        problem = next((each.problem for each in found.values() if each.problem), "")
+        first = min(students, key=lambda each: (not each.problem, not each.files))
+        problem = next(each.problem for (who, _), each in found.items() if who == first.id)
         where = ", ".join(map(str, submissions))
         raise InputError(
             f"{where}: none of {len(students)} students has a file of any exercise; "
-            f"{students[0].id}: {problem}"
+            f"{first.id}: {problem}"
         )
     return {slug: exercise for slug, exercise in everything.items() if slug in handed_in}
 
@@ -241,7 +246,10 @@ def _account(
     unknown = options.roster.people and not any(s.person and s.who for s in intake.students)
     if unknown:
         sheets = ", ".join(str(sheet.file) for sheet in options.roster.sheets)
-        lines.append(Line(UNKNOWN, entry=sheets, reason=OTHER_CLASS, fault=True))
+        anonymous = all(who.system == "canvas" and not who.id
+                        for student in intake.students for who in student.who)  # fmt: skip
+        reason = ANONYMOUS if anonymous else OTHER_CLASS
+        lines.append(Line(UNKNOWN, entry=sheets, reason=reason, fault=True))
     for student in intake.students:
         mine = {slug: found[student.id, slug] for slug in slugs}
         lines += student_lines(student, _fates(student, mine, wanted))

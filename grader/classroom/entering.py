@@ -14,7 +14,7 @@ from grader.classroom.conditions import HASHED
 from grader.classroom.intake.whose import Known
 from grader.classroom.options import Options
 from grader.classroom.results.options import OPTIONS, kept_options
-from grader.classroom.row import ABSENT, StoredResult
+from grader.classroom.row import ABSENT, HELD, StoredResult
 from grader.classroom.store import Key, Store
 from grader.errors import InputError
 from grader.lms.book import StudentRow, named
@@ -50,15 +50,20 @@ def enter_candidates(
     slugs = {slug for _, slug in found.candidates}
     stored = {(r.student, r.exercise): r for r in store.results() if not r.canary}
     moved = {student for student in known.rows if _is_moved(student, known)}
-    lost = {
-        key
+    gone = {
+        key: result
         for key, result in stored.items()
-        if result.grading is not None and key[1] in slugs and key[0] not in moved
+        if key[1] in slugs and key[0] not in moved
         and (key not in found.candidates or found.candidates[key].absent)
     }  # fmt: skip
+    lost = {key for key, result in gone.items() if result.grading is not None}
     if lost and not (options.add or options.drop):
         raise InputError(_lost(lost, stored, found.candidates, submissions))
-    kept = frozenset(lost if options.add else ())
+    seen = {word for row in found.students for word in row.seen}
+    held = {key for key, result in gone.items()
+            if result.state == HELD and key[0] in known.rows
+            and seen.isdisjoint(known.words(key[0]))}  # fmt: skip
+    kept = frozenset(lost | held if options.add else ())
     texts = {}
     for key, candidate in found.candidates.items():
         if key in kept:
@@ -89,9 +94,9 @@ def enter_candidates(
         text = store.kept(OPTIONS)
         earlier = kept_options(text, {}).account.lines if text else ()
         new = {line.student for line in account.lines if line.state != NOTHING}
-        gone = {student for student, _ in kept} - new
-        lines = [line for line in earlier if line.student in gone]
-        account = Account((*lines, *(each for each in account.lines if each.student not in gone)))
+        away = {student for student, _ in kept} - new
+        lines = [line for line in earlier if line.student in away]
+        account = Account((*lines, *(each for each in account.lines if each.student not in away)))
     return replace(found, said=tuple(said), kept=kept, account=account)
 
 

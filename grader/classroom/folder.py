@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from grader.errors import GraderError, InputError
 
 STORE = "store.sqlite"
 ALIKE = "alike"  # what the store calls it
+UNWRITTEN = "unwritten"  # and that not all results are: somebody is at it, was killed, or failed
 
 
 @contextlib.contextmanager
@@ -67,9 +68,12 @@ def alike_of(store: Store) -> dict[str, Alike]:
 
 
 def write_class(
-    store: Store, out: Path, options: ResultOptions
+    store: Store, out: Path, options: ResultOptions, before: Sequence[StoredResult] = ()
 ) -> tuple[list[StoredResult], Written]:
-    """Write all results as they count now; return them, and what was written."""
+    """Write all results as they count now; return them, and what was written.
+
+    Pages of students whose results are as `before`, when all were written, stay as they are.
+    """
     log = store.log.entries()
     counting = active(log)
     results, remarks = amended(store.results(), counting, options.students)
@@ -81,4 +85,9 @@ def write_class(
         log=log,
         published=published(counting, results, options.students),
     )
-    return results, write_results(results, out, wanted)
+    old = {} if store.kept(UNWRITTEN) else {(r.student, r.exercise): r for r in before}
+    new = {r.student for r in results if r != old.get((r.student, r.exercise))}
+    store.keep(UNWRITTEN, "yes")
+    written = write_results(results, out, wanted, {student for student, _ in old} - new)
+    store.keep(UNWRITTEN, "yes" if written.missing else "")
+    return results, written

@@ -19,7 +19,7 @@ from grader.classroom.amendments.apply import amended, version_of
 from grader.classroom.amendments.change import Accept, Assign, Change, Undo, Whom
 from grader.classroom.amendments.log import Entry, active, undone_by
 from grader.classroom.amendments.people import find_student, nearest, the_student
-from grader.classroom.folder import locked, opened, write_class
+from grader.classroom.folder import UNWRITTEN, locked, opened, write_class
 from grader.classroom.intake.whose import Known
 from grader.classroom.marks import checks_of, points_of, state_of, tasks_of
 from grader.classroom.results.options import OPTIONS, ResultOptions, kept_options
@@ -29,6 +29,7 @@ from grader.course.exercises import find_exercise
 from grader.errors import InputError, naming_a_full_disk
 from grader.lms.book import StudentRow, Task
 
+UNFINISHED = ". Not all results were written into the files here: `course marks write {}` does"
 NO_SPACE = (
     "the disk is full: what is in the log of marks stays there (`course report {out}` prints it), "
     "but not all results were written. Free some space, and run `course marks write {out}`"
@@ -121,7 +122,13 @@ class Marking:
         """Return the class in a line."""
         states = Counter(state_of(result) for result in self.results)
         counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
-        return f"{len(self.students)} students; as graded: {counts}"
+        text = f"{len(self.students)} students; as graded: {counts}"
+        return text + (UNFINISHED.format(self.out) if self.unfinished else "")
+
+    @property
+    def unfinished(self) -> bool:
+        """Whether not all results are written: somebody is at it, was killed, or failed."""
+        return bool(self.store.kept(UNWRITTEN))
 
     def student(self, word: str) -> str:
         """Return the student whom a word means.
@@ -215,7 +222,7 @@ class Marking:
             _check_undo(change, entries)
         before, known = self._amended(entries)
         entry = log.append(change, who, why)
-        after, missing = self._written()
+        after, missing = self._written(before)
         remarks = [each for each in self._amended(log.entries())[1] if each not in known]
         return Marked(entry, self._shifts(before, after), remarks, missing, _fewer(before, after))
 
@@ -276,8 +283,8 @@ class Marking:
     def _amended(self, entries: Sequence[Entry]) -> tuple[list[StoredResult], list[str]]:
         return amended(self.results, active(entries), self.rows)
 
-    def _written(self) -> tuple[list[StoredResult], list[str]]:
-        results, written = write_class(self.store, self.out, self.options)
+    def _written(self, before: Sequence[StoredResult] = ()) -> tuple[list[StoredResult], list[str]]:
+        results, written = write_class(self.store, self.out, self.options, before)
         return [result for result in results if not result.canary], written.missing
 
     def _shifts(self, before: Sequence[StoredResult], after: Sequence[StoredResult]) -> list[str]:

@@ -51,7 +51,7 @@ class Progress:
         """Show the bar: `total` units are to be graded, and `before` are, by an earlier run."""
         self._total, self._before, self._begun = total, before, time.monotonic()
         if total and before:
-            self.say(f"{before} are done, {total} are to be graded")
+            self.say(f"{before} are done or held, {total} are to be graded")
         if total:
             self._bar.start()
 

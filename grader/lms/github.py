@@ -2,7 +2,8 @@
 
 Source: github/gh-classroom, cmd/gh-classroom/clone/student-repos/student-repos.go: the clones lie
 in `SLUG-submissions` and keep the repository's name, which GitHub Classroom makes of the
-assignment's slug and the student's user name. Git itself is never run in them.
+assignment's slug and the student's user name, with `-1` for who accepts the assignment twice
+(github-education-resources/classroom, issue 1206). Git itself is never run in them.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from grader.lms.names import numbered
 from grader.lms.platform import Entry, Platform, Read, Who
 
 ENDING = "-submissions"
@@ -22,9 +24,10 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
     prefix = _prefix(folder, [path.name for path in clones])
     if not prefix:
         return Read(left=list(paths))
-    theirs = [path for path in clones if path.name.startswith(prefix) and path.name != prefix]
+    there = [path for path in paths if path.is_dir() and not path.is_symlink()]  # or a copy
+    theirs = [path for path in there if path.name.startswith(prefix) and path.name != prefix]
     return Read(
-        [Entry(path, _who(path.name.removeprefix(prefix))) for path in theirs],
+        [_entry(path, path.name.removeprefix(prefix)) for path in theirs],
         left=[path for path in paths if path not in set(theirs)],
     )
 
@@ -40,8 +43,8 @@ def _prefix(folder: Path, names: Sequence[str]) -> str:
     return common[: common.rfind("-") + 1]
 
 
-def _who(user: str) -> Who:
-    return Who(user, "github", user.casefold())
+def _entry(path: Path, user: str) -> Entry:
+    return Entry(path, Who(user, "github", user.casefold()), version=numbered(user)[1])
 
 
 def is_clone(path: Path) -> bool:

@@ -12,7 +12,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import date, datetime
 from pathlib import Path
 from typing import IO, Any
 
@@ -22,7 +21,7 @@ from grader.errors import InputError
 from grader.link.cell import CLASS, Refused, read_in_cell
 from grader.lms.book import Mark, Task
 from grader.lms.clean import one_line, visible
-from grader.lms.platform import Entry, Platform, Read, SetAside, Who
+from grader.lms.platform import Entry, Platform, Read, SetAside, Who, microseconds
 from grader.report.facts import UNJUDGED
 
 METADATA = "submission_metadata.yml"
@@ -58,13 +57,14 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
             reason = f"{METADATA} does not say whose it is"
             found.set_aside.append(SetAside(path.name, reason))
             continue
+        version = microseconds(about.time)
         people = (Who(name or email or sid, "gradescope", sid, email)
                   for name, sid, email in about.people)  # fmt: skip
-        found.entries.extend(Entry(path, who, time=about.time) for who in people)
-    missing = sorted(set(known) - {path.name for path in paths})
-    found.set_aside.extend(
-        SetAside(name, f"in {METADATA}, but there is no such folder") for name in missing
-    )
+        found.entries.extend(Entry(path, who, version=version, time=about.time) for who in people)
+    for name in sorted(set(known) - {path.name for path in paths}):
+        whose = ", ".join(one_line(next(filter(None, each)), 60) for each in known[name].people)
+        reason = f"in {METADATA}, but there is no such folder; it is of {whose or 'nobody'}"
+        found.set_aside.append(SetAside(name, reason))
     return found
 
 
@@ -90,7 +90,7 @@ def submissions_in(file: IO[bytes]) -> dict[str, _Submission]:
 
     Raises Refused: they are no metadata.
     """
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    loader = getattr(yaml, "CBaseLoader", yaml.BaseLoader)  # 0012 is a number of a student's
     known = yaml.load(file.read(MAX_METADATA).decode("utf-8"), loader)
     if not isinstance(known, Mapping):
         raise Refused("a folder's name to a line each")
@@ -106,14 +106,13 @@ def _submission(about: object) -> _Submission:
         for one in (people if isinstance(people, list) else [])
         if isinstance(one, Mapping)
     ]
-    return _Submission(
-        [one for one in each if any(one)], time.isoformat() if isinstance(time, datetime) else ""
-    )
+    moment = re.sub(r"\s+(?=(?:Z|[+-]\d\d:?\d\d)$)", "", _text(time))
+    return _Submission([one for one in each if any(one)], moment if microseconds(moment) else "")
 
 
 def _text(value: object) -> str:
-    """Return what is a text or a number; a list that holds itself many times is neither."""
-    return str(value) if value and isinstance(value, str | int | float | date) else ""
+    """Return what is a text; a list that holds itself many times is none."""
+    return value if isinstance(value, str) else ""
 
 
 def sheet(header: Sequence[str]) -> str:

@@ -63,6 +63,12 @@ def copy_number(name: str) -> int:
     return _split(name)[1]
 
 
+def numbered(name: str) -> tuple[str, int]:
+    """Return a user's name and the number that GitHub Classroom adds to another repository."""
+    stem, dash, number = name.rpartition("-")
+    return (stem, int(number)) if dash and re.fullmatch(r"[0-9]{1,2}", number) else (name, 0)
+
+
 def _split(name: str) -> tuple[str, int]:
     stem, dot, suffix = unicodedata.normalize("NFC", name).casefold().rpartition(".")
     stem, number = stem.strip(), 0

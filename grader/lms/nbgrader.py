@@ -14,12 +14,13 @@ import os
 import re
 import sys
 from collections.abc import Iterator, Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 
 from grader.course.submission import read_regular_file
 from grader.lms.book import Book, Mark, Task
-from grader.lms.platform import Entry, Platform, Read, SetAside, Who
+from grader.lms.folders import LITTER
+from grader.lms.names import may_enter
+from grader.lms.platform import Entry, Platform, Read, SetAside, Who, microseconds
 
 _TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
 ATTEMPT = re.compile(rf"(?P<user>.+)\+(?P<assignment>[^+]+)\+{_TIME}(?:\+[\w-]+)?", re.DOTALL)
@@ -37,17 +38,32 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
     """Return each student's latest attempt at each assignment; older ones are set aside."""
     found = Read()
     names = {path.name for path in paths}
+    folders = [path.name for path in paths if path.is_dir() and path.name not in LITTER]
     for path in paths:
         beside = {each for side in names.intersection(SIDES) for each in SIDES[side]}
         if path.name in beside:
             found.set_aside.append(SetAside(path.name, "a part of nbgrader's course", fault=False))
         elif path.is_symlink() or not path.is_dir():
             found.left.append(path)
-        elif path.name in SIDES and names.intersection(SIDES[path.name]):
+        elif path.name in SIDES and (
+            names.intersection(SIDES[path.name]) or (len(folders) == 1 and _is_part(path))
+        ):
             _of_course(path, found)
         else:
             _attempt(path, found)
     return _latest(found)
+
+
+def _is_part(path: Path) -> bool:
+    """Return whether a folder is nbgrader's by what is in it; a student's may be called so, too."""
+    try:
+        inside = [each for each in path.iterdir() if each.is_dir()]
+        if path.name == "inbound":
+            return any(ATTEMPT.fullmatch(each.name) for each in inside)
+        work = [each for one in inside for each in one.iterdir() if may_enter(each.name)]
+        return bool(work) and all(each.is_dir() for each in work)
+    except OSError:
+        return False
 
 
 def _of_course(path: Path, found: Read) -> None:
@@ -114,11 +130,7 @@ def _stamp(file: Path) -> str:
 
 def _microseconds(time: str) -> int:
     """Return a time of nbgrader's, which is UTC, as a number; 0 if it is none."""
-    try:
-        moment = datetime.fromisoformat(re.sub(r" [A-Z]+$", "", time))
-    except ValueError:
-        return 0
-    return int(moment.replace(tzinfo=moment.tzinfo or UTC).timestamp() * 1e6)
+    return microseconds(re.sub(r" [A-Z]+$", "", time))
 
 
 def _latest(found: Read) -> Read:

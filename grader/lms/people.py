@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
+from grader.lms.names import numbered
+
 # Kinds of ids. The first that a person has is what makes them who they are.
 CANVAS, SIS, LOGIN, EMAIL, NUMBER, GITHUB, OWN = (
     "canvas", "sis", "login", "email", "idnumber", "github", "id",
@@ -116,12 +118,15 @@ class Roster:
             if team and (found in team if system == "canvas" else found is None):
                 own = found is not None and squeezed(found.name) == squeezed(name)
                 return Match((), team) if own else Match(team, sure=True)
-            return Match((found,), sure=True) if found else Match((), self._like(name, id_))
+            return Match((found,), sure=True) if found else Match((), self._like(name, id_, team))
         words = [id_, email] if system in ("gradescope", "nbgrader", "github") else []
         words += [name] if system in ("folder", "nbgrader", "github") else []
         for word in filter(None, words):
             for kind in STRONG:
                 if (found := self._one(kind, word)) is not None:
+                    named = self._all("name", folded(name)) if system == "gradescope" else ()
+                    if named and found not in named:  # a number that the student has typed
+                        return Match((), _each_once((found, *named)))
                     return Match((found,), sure=True)
         if team := self._team(name, folded):
             return Match(team, sure=True)
@@ -178,11 +183,12 @@ class Roster:
         found = self._all("team", squeezed(name))
         return tuple(person for person in found if form(person.group) == form(name))
 
-    def _like(self, name: str, id_: str) -> tuple[Person, ...]:
-        """Return who is called so or has this id, where neither is what counts."""
+    def _like(self, name: str, id_: str, team: tuple[Person, ...]) -> tuple[Person, ...]:
+        """Return who is called so or has this id, where neither is what counts, and the group."""
         found = [*self._all("name", folded(name)), *self._all("squeezed", squeezed(name))]
         found += [person for kind in STRONG for person in self._all(kind, id_) if id_]
-        return _each_once(found)
+        found += self._all(GITHUB, numbered(id_)[0])
+        return _each_once((*found, *team))
 
     def _in_group(self, name: str) -> Person | None:
         """Find somebody by `GROUP-NAME`, as Moodle calls them where students work in groups."""

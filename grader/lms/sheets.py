@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -55,7 +56,7 @@ NAMES = ("student", "name", "full name", "student name")
 FIRST = ("first name", "firstname", "first_name")
 LAST = ("last name", "surname", "lastname", "last_name")
 SECTION = ("section", "sections", "group", "groups", "section name")
-TEST_STUDENT = ("Student, Test", "Test Student")  # of Canvas's student view
+TEST_STUDENT = re.compile(r"[0-9a-f]{40}")  # the login of Canvas's student view (course.rb)
 HELP = (
     "expected a CSV with headings: Canvas's or Moodle's gradebook export, Moodle's grading "
     "worksheet, Gradescope's or GitHub Classroom's roster, or your own with the columns "
@@ -85,7 +86,8 @@ def _merge(people: list[Person], found: Sequence[Person], file: Path) -> tuple[i
     known = Roster(tuple(people))
     keys: set[str] = set()
     for person in found:
-        place = None if person.key in keys else _known(known, person)
+        key = person.key.casefold()  # platforms differ in whether capitals count
+        place = None if key in keys else _known(known, person)
         if place is None:
             people.append(person)
             place = len(people) - 1
@@ -99,12 +101,13 @@ def _merge(people: list[Person], found: Sequence[Person], file: Path) -> tuple[i
                 participants=old.participants | person.participants,
                 group=old.group or person.group,
             )
-        if place in places or person.key in keys:
+        if place in places or key in keys:
             raise InputError(
                 f"{file}: expected a row per person, but two are {person.name!r} "
-                f"({person.key}); remove one{'' if person.ids else ', or add a column id'}"
+                f"({person.key}; capitals don't count); remove one"
+                f"{'' if person.ids else ', or add a column id'}"
             )
-        keys.add(person.key)
+        keys.add(key)
         places.append(place)
     return tuple(places)
 
@@ -168,7 +171,7 @@ def lines_in(file: IO[bytes]) -> list[list[str]]:
     data = file.read(MAX_SHEET + 1)
     if len(data) > MAX_SHEET:
         raise Refused(f"over {MAX_SHEET:,} bytes")
-    lines = list(islice(_rows(_decoded(data)), MAX_ROWS + 1))
+    lines = list(islice(_rows(decoded(data)), MAX_ROWS + 1))
     if not lines or len(lines) > MAX_ROWS:
         raise Refused(f"{len(lines):,} lines")
     columns = len(lines[0])
@@ -182,7 +185,8 @@ def _possible(header: Sequence[str], rows: Sequence[Sequence[str]]) -> dict[str,
     return dict(zip(header, found[0], strict=True)) if found else {}
 
 
-def _decoded(data: bytes) -> str:
+def decoded(data: bytes) -> str:
+    """Return the text of a file, whatever spreadsheet has written it."""
     for encoding in ("utf-8-sig", "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8"):
         try:
             return data.decode(encoding)
@@ -213,10 +217,9 @@ def _is_person(kind: str, header: Sequence[str], row: Sequence[str]) -> bool:
         return cells.get("role", "").strip().casefold() in ("", "student")
     if kind != "canvas":
         return True
-    if row[0].strip() in TEST_STUDENT:
-        return False
-    about = [cell for cell, heading in zip(row, header, strict=True) if heading == "ID"]
-    return bool(about and about[0].strip()) and "Points Possible" not in row[0]
+    about = dict(zip(header, map(str.strip, row), strict=True))
+    tests = TEST_STUDENT.fullmatch(about.get("SIS Login ID", ""))
+    return bool(about.get("ID")) and not tests and "Points Possible" not in row[0]
 
 
 def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:
@@ -236,8 +239,8 @@ def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:
         participants = frozenset({repository.casefold()})
     name = _first(cells, NAMES)
     if not name:
-        first, last = _first(cells, FIRST), _first(cells, LAST)
-        name = f"{last}, {first}" if kind == "canvas" else f"{first} {last}".strip()
+        first, last = (unquoted(_first(cells, each)) for each in (FIRST, LAST))
+        name = f"{last}, {first}" if kind == "canvas" and first else f"{first} {last}".strip()
     name = unquoted(name)
     if kind == "github" and not name:
         name = ids.get(OWN, "")

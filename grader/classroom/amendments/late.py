@@ -36,17 +36,20 @@ UNITS = {"s": 1, "min": 60, "m": 60, "h": 3600, "d": DAY, None: 60}
 def lateness(rule: Late, student: str, handed: Handed | None) -> tuple[int, str]:
     """Return how many days have begun since the deadline, and why that is a guess, if it is one.
 
-    A file's time counts, else the platform's, else its word LATE.
+    A file's time counts, else the platform's, else its word LATE. Days are those of the zone's
+    clock: one of them has 23 hours a year, and one 25.
     """
-    told = rule.times.get(student, "")
-    moment = parsed(told, _zone(rule.zone)) if told else None
+    told, zone = rule.times.get(student, ""), _zone(rule.zone)
+    moment = parsed(told, zone) if told else None
     if moment is None and handed is not None and handed.time:
-        moment = parsed(handed.time, _zone(rule.zone) if handed.system == "moodle" else UTC)
+        moment = parsed(handed.time, zone if handed.system == "moodle" else UTC)
     if moment is not None and rule.deadline:
         deadline = datetime.fromisoformat(rule.deadline)
-        more = parsed(handed.extension, _zone(rule.zone)) if handed else None
-        over = (moment - max(deadline, more or deadline)).total_seconds()
-        return (math.ceil(over / DAY) if over > rule.grace else 0), ""
+        more = parsed(handed.extension, zone) if handed else None
+        since = max(deadline, more or deadline)
+        over = moment.astimezone(zone) - since.astimezone(zone)  # of one zone: by its clock
+        is_late = (moment - since).total_seconds() > rule.grace
+        return (max(1, math.ceil(over.total_seconds() / DAY)) if is_late else 0), ""
     if handed is not None and handed.late:
         why = "the platform says only that it is late; counted as one day (--times knows more)"
         return 1, why

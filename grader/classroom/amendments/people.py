@@ -33,18 +33,21 @@ def the_student(word: str, students: Sequence[str], rows: Mapping[str, StudentRo
     found = find_student(word, students, rows)
     if found is not None:
         return found
-    called = {
-        one_line(s) if name == s else f"{one_line(name)} ({one_line(s)})": name
-        for s in students
-        for name in _names(s, rows.get(s))
-    }
+    called = {name: s for s in students for name in _names(s, rows.get(s))}
+    names = {s: _names(s, rows.get(s)) for s in students}
     parts = set(_parts(word))
-    near = [shown for shown, name in called.items() if parts.intersection(_parts(name))]
-    if not near:
-        like = difflib.get_close_matches(word, called.values(), NEAR, cutoff=0.5)
-        near = [shown for shown, name in called.items() if name in like]
-    hint = f"did you mean {' or '.join(near[:NEAR])}?" if near else "scores.csv lists all students"
+    near = [s for s in students if parts.intersection(_parts(" ".join(names[s])))]
+    near = near or [called[n] for n in difflib.get_close_matches(word, called, NEAR, cutoff=0.5)]
+    shown = [_told_apart(s, names[s], rows.get(s)) for s in dict.fromkeys(near)]
+    near_ones = " or ".join(shown[:NEAR])
+    hint = f"did you mean {near_ones}?" if shown else "scores.csv lists all students"
     raise InputError(f"expected one student of this class, not {one_line(word)!r}; {hint}")
+
+
+def _told_apart(student: str, names: Sequence[str], row: StudentRow | None) -> str:
+    """Return a student's folder, with the name, if it is another, and ids."""
+    words = [*names[1:2], *sorted(set(_ids(student, row)) - {student})[:2]]
+    return one_line(f"{student} ({', '.join(words)})" if words else student)
 
 
 def _parts(name: str) -> list[str]:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import contextlib
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from grader.classroom import asked
 from grader.classroom.amendments.change import Change, Undo
 from grader.classroom.marking import Marking
 from grader.errors import InputError
+from grader.lms.sheets import decoded
 
 # What is written at once, since nobody's points depend on it; all else is shown first.
-AT_ONCE = ("comment", "style", "answer", "request")
+AT_ONCE = ("comment", "style", "answer", "request", "write")
 REASONS = dict.fromkeys(AT_ONCE, asked.READ) | {"request": asked.SENT}
 OWN = ("token", "revision", "sure")  # fields that are about the form
 
@@ -26,11 +30,11 @@ class Form:
     @staticmethod
     def of(arguments: Mapping[str, list[bytes]], files: Mapping[str, list[Any]]) -> Form:
         """Return the form of a request; a file is a field, too."""
-        sent = {name: list(values) for name, values in arguments.items()}
+        sent = {name: [each.decode("utf-8", "replace") for each in values]
+                for name, values in arguments.items()}  # fmt: skip
         for name, uploads in files.items():
-            sent.setdefault(name, []).extend(each["body"] for each in uploads)
-        return Form({name: [each.decode("utf-8", "replace") for each in values]
-                     for name, values in sent.items()})  # fmt: skip
+            sent.setdefault(name, []).extend(decoded(each["body"]) for each in uploads)
+        return Form(sent)
 
     def __getitem__(self, name: str) -> str:
         """Return a field's first text; "" if there is none."""
@@ -76,11 +80,12 @@ def change_of(class_: Marking, form: Form) -> Change:
         case "score":
             return asked.score(class_, named, exercise, number(form["points"]))
         case "late":
-            return asked.late(
-                class_, named, exercise, number(form["per_day"], 100), deadline=form["deadline"],
-                zone=form["zone"] or "UTC", grace=form["grace"] or "0",
-                cap=number(form["cap"] or "100", 100),
-            )  # fmt: skip
+            with _as_file(form["times"]) as times:
+                return asked.late(
+                    class_, named, exercise, number(form["per_day"], 100),
+                    deadline=form["deadline"], zone=form["zone"] or "UTC",
+                    grace=form["grace"] or "0", cap=number(form["cap"] or "100", 100), times=times,
+                )  # fmt: skip
         case "publish":
             return asked.publish(class_, named, form.every("exercise"))
         case "undo":
@@ -103,6 +108,15 @@ def change_of(class_: Marking, form: Form) -> Change:
         case "answer":
             return asked.answer(class_, number(form["request"]), form["words"])
     raise InputError(f"unknown form {form['kind']!r}")
+
+
+@contextlib.contextmanager
+def _as_file(text: str) -> Iterator[Path | None]:
+    """Yield a file with this text; None if there is none."""
+    with tempfile.TemporaryDirectory(prefix="course-") as folder:
+        file = Path(folder, "times.csv")
+        file.write_text(text, "utf-8")
+        yield file if text else None
 
 
 def _line(class_: Marking, form: Form) -> Any:

@@ -12,7 +12,7 @@ from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
 from grader.classroom.intake.handed_in import HandedIn, Student
-from grader.classroom.intake.skeletons import is_handed_out, is_skeleton, skeletons
+from grader.classroom.intake.skeletons import is_empty, is_handed_out, is_skeleton, skeletons
 from grader.course.beside import MAX_BYTES, PYTHON, Lying
 from grader.course.beside import chosen as chosen_of
 from grader.course.submission import MANIFEST, SETUPS, read_regular_file
@@ -92,7 +92,8 @@ def find_files(student: Student, names: Sequence[str], taken: str = "", why: str
     first, *others = names
     called = _called(first, student.files)
     untouched = [file for file in called if is_skeleton(file.path, first)]
-    candidates = [file for file in called if file not in untouched]
+    empty = [file for file in called if is_empty(file.path)]
+    candidates = [file for file in called if file not in untouched and file not in empty]
     if accepted := [file for file in student.files if _same_file(file.name, taken)]:
         candidates = sorted(accepted, key=_age)
     elif not candidates:
@@ -111,6 +112,8 @@ def find_files(student: Student, names: Sequence[str], taken: str = "", why: str
         problem = student.problem or f"expected a file {first}; {_inventory(student)}"
         if untouched:
             problem = student.problem or f"{first} is still the skeleton"
+        elif empty:
+            problem = student.problem or f"{empty[0].name} is empty; ask for another copy"
         return Found({}, problem, untouched=tuple(untouched))
     chosen = candidates[0]
     used = [chosen]

@@ -36,9 +36,17 @@ def is_skeleton(path: Path, name: str) -> bool:
     return name in skeletons() and _bare_of(path) == skeletons()[name]
 
 
+def is_empty(path: Path) -> bool:
+    """Return whether nothing is in a file but blanks."""
+    try:
+        return not read_regular_file(path).strip()
+    except OSError:
+        return False
+
+
 def is_handed_out(path: Path) -> bool:
     """Return whether a file is any Python of the course's, but for comments, or comments alone."""
-    return _bare_of(path) in _course()
+    return is_empty(path) or _bare_of(path) in _course()
 
 
 @cache

@@ -15,6 +15,7 @@ from grader.course.beside import MADE
 from grader.errors import InputError, is_disk_full
 from grader.link.cell import Broken, Refused
 from grader.lms import PLATFORMS
+from grader.lms.folders import LITTER
 from grader.lms.gradescope import METADATA
 from grader.lms.names import may_enter
 from grader.lms.people import NOBODY, Roster
@@ -85,7 +86,7 @@ def take_in_one(folder: Path, scratch: Path) -> Student:
 def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
     """Return the folder with the entries of a download; an archive is unpacked first."""
     if source.is_dir():
-        return source
+        return _download_in(source)
     if not os.path.lexists(source):
         raise InputError(f"{source}: expected what the class has handed in; nothing is there")
     if not source.is_file() or not is_archive(source.name):
@@ -104,17 +105,34 @@ def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
 
 
 def _unwrapped(room: Path) -> Path:
-    while (inner := _wrapped(room)) is not None:
+    """Return the folder with the entries of an unpacked download, as people pack it."""
+    while (inner := _only(room)) is not None:
+        if any(e.who.id for e in _entries(room).entries) or not _entries(inner).entries:
+            break
         room = inner
     return room
 
 
-def _wrapped(room: Path) -> Path | None:
-    """Return the one folder that holds all of an unpacked download, as people pack it."""
-    there = list(room.iterdir())
-    if len(there) != 1 or not there[0].is_dir() or any(e.who.id for e in _entries(room).entries):
-        return None
-    return there[0] if _entries(there[0]).entries else None
+def _download_in(source: Path) -> Path:
+    """Return a platform's download in folders that hold nothing else; without one the source."""
+    folder = source
+    try:
+        while (inner := _only(folder)) is not None and not _is_platforms(folder):
+            folder = inner
+        return folder if folder != source and _is_platforms(folder) else source
+    except OSError:  # a student's, which nobody may open
+        return source
+
+
+def _is_platforms(folder: Path) -> bool:
+    return any(entry.who.system != "folder" for entry in _entries(folder).entries)
+
+
+def _only(folder: Path) -> Path | None:
+    """Return the one folder that holds all of another, but for what systems leave there."""
+    there = [path for path in folder.iterdir() if may_enter(path.name) and path.name not in LITTER]
+    one = len(there) == 1 and there[0].is_dir() and not there[0].is_symlink()
+    return there[0] if one else None
 
 
 def _is_class(folder: Path) -> bool:
@@ -133,8 +151,8 @@ def _is_class(folder: Path) -> bool:
 
 def _innermost(folder: Path) -> Path:
     """Return the first folder that holds more than one other."""
-    while len(there := list(folder.iterdir())) == 1 and there[0].is_dir():
-        folder = there[0]
+    while (inner := _only(folder)) is not None:
+        folder = inner
     return folder
 
 

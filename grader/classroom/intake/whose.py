@@ -292,6 +292,6 @@ class _Class:
 
 
 def _label(who: Who, *, held: bool) -> str:
-    if (who.system == "moodle" and is_blind(who.name)) or (held and who.id):
+    if (who.system == "moodle" and is_blind(who.name)) or (held and who.id not in ("", who.name)):
         return f"{who.name} {who.id}"
     return f"{who.name}_{who.id}" if who.system == "canvas" and who.id else who.name

@@ -6,8 +6,8 @@ import contextlib
 import functools
 import multiprocessing
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from itertools import groupby, product
 from pathlib import Path
@@ -21,7 +21,7 @@ from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.page import render
 from grader.classroom.results.scores import book_of, scores_csv
 from grader.classroom.row import StoredResult, as_graded
-from grader.errors import is_disk_full
+from grader.errors import GraderError, is_disk_full
 from grader.lms import PLATFORMS
 from grader.lms.book import Book, Task
 from grader.lms.clean import one_line
@@ -31,6 +31,10 @@ CLASS_PAGE = "class.html"
 PUBLISHED = "published"  # the folder
 BOM = "\ufeff"  # without it Excel doesn't read the file as UTF-8
 MANY = 20  # students; for fewer, starting more processes does not pay
+ENDED = (
+    "a process that makes feedback pages was ended from outside (is there memory enough?); what is "
+    "graded and logged is stored, and `course marks write {out}` writes the rest"
+)
 Results = Sequence[StoredResult]
 Tasks = Mapping[str, Task]  # by slug, in the order of the lesson
 OURS = {"scores.csv": "every grading, for a spreadsheet", "intake.csv": "what became of each file"}
@@ -59,12 +63,15 @@ class Written:
             self.missing.append(f"{name}: {type(error).__name__}: {one_line(error, 200)}")
 
 
-def write_results(results: Results, out: Path, options: ResultOptions | None = None) -> Written:
+def write_results(
+    results: Results, out: Path, options: ResultOptions | None = None,
+    same: Collection[str] = (),
+) -> Written:  # fmt: skip
     """Write the class report, feedback and gradebooks into `out`.
 
     The same results give the same files. Each file is replaced atomically, so nobody reads half of
     one. The files of a platform, the pages of a student and the class report fail alone; the report
-    names what is missing.
+    names what is missing. The pages of students who are the `same` as the last time stay.
 
     Raises OSError: a full disk, or a folder that can't be written.
     """
@@ -73,12 +80,12 @@ def write_results(results: Results, out: Path, options: ResultOptions | None = N
     book = book_of(known, tasks, options)
     _write_tables(known, tasks, options, done)
     _write_gradebooks(book, tasks, options, done)
-    for each in _made(known, tasks, options, out):
+    for each in _made([r for r in known if r.student not in same], tasks, options, out):
         done.files.extend(each.files)
         done.missing.extend(each.missing)
     _write_feedback_zips(book, tasks, options, done)
     with done.part("the published feedback"):
-        _write_published(known, tasks, options, done)
+        _write_published(known, tasks, options, done, same)
     shutil.rmtree(out / CHECKS, ignore_errors=True)
     with done.part(CHECKS):
         for name, text in check_pages(known, tasks.values(), options):
@@ -173,8 +180,11 @@ def _made(results: Results, tasks: Tasks, options: ResultOptions, out: Path) -> 
         yield from map(make, students)
         return
     # spawned: this process may have threads, of Dask or the progress bar
-    with ProcessPoolExecutor(options.workers, multiprocessing.get_context("spawn")) as pool:
-        yield from pool.map(make, students)
+    try:
+        with ProcessPoolExecutor(options.workers, multiprocessing.get_context("spawn")) as pool:
+            yield from pool.map(make, students)
+    except BrokenExecutor:
+        raise GraderError(ENDED.format(out=out)) from None
 
 
 def _write_student(tasks: Tasks, options: ResultOptions, out: Path, results: Results) -> Written:
@@ -204,21 +214,33 @@ def _write_student(tasks: Tasks, options: ResultOptions, out: Path, results: Res
     return Written(out, [write_text(folder / "index.html", lost_page(student))], done.missing)
 
 
-def _write_published(results: Results, tasks: Tasks, options: ResultOptions, done: Written) -> None:
-    """Copy what students may see anew: the pages that are published, and no other."""
+def _write_published(
+    results: Results, tasks: Tasks, options: ResultOptions, done: Written, same: Collection[str]
+) -> None:
+    """Copy what students may see: the pages that are published, and no other.
+
+    Students may read them meanwhile, so a page that stays is never away.
+    """
     folder, shown = done.out / PUBLISHED, options.published or ()
-    for page in folder.glob("*/*.html"):
-        page.unlink()
+    there = set(folder.glob("*/*.html"))
+    stay: set[Path] = set()
     theirs = [each for each in results if (each.student, each.exercise) in shown]
     for student, each in groupby(theirs, key=lambda result: result.student):
         mine = list(each)
+        pages = [f"{one.exercise}.html" for one in mine if is_graded(one)]
+        pages = [each for each in pages if (done.out / "feedback" / student / each).is_file()]
+        wanted = {folder / student / each for each in ("index.html", *pages)}
+        stay |= wanted
+        if student in same and wanted == set((folder / student).glob("*.html")):
+            continue
         shown_now = [as_shown(result, options.hidden) for result in mine]
         index = index_page(student, shown_now, tasks, options.title)
         done.text(f"{PUBLISHED}/{student}/index.html", index)
-        for name in [f"{one.exercise}.html" for one in mine if is_graded(one)]:
-            if (done.out / "feedback" / student / name).is_file():  # else it could not be made
-                shutil.copyfile(done.out / "feedback" / student / name, folder / student / name)
-                done.files.append(folder / student / name)
+        for name in pages:
+            text = (done.out / "feedback" / student / name).read_text("utf-8")
+            done.text(f"{PUBLISHED}/{student}/{name}", text)
+    for page in there - stay:
+        page.unlink()
     for emptied in (*folder.glob("*/"), folder):
         with contextlib.suppress(OSError):  # it holds pages, or somebody's own files
             emptied.rmdir()

@@ -78,7 +78,7 @@ def test_what_a_work_needs_is_no_missing_exercise(files: dict[str, bytes], tmp_p
     """Ben handed in another exercise, so Ann may have it under another name."""
     lay(tmp_path / "in" / "ann" / "ws", files)
     lay(tmp_path / "in" / "ann", {"goal.py": b"import goal_seeking"})
-    lay(tmp_path / "in" / "ben", {"goal_seeking_agent.py": b""})
+    lay(tmp_path / "in" / "ben", {"goal_seeking_agent.py": b"work = 1"})
     account = find_class([tmp_path / "in"], tmp_path / "scratch", Options()).account
     assert [line.file for line in account.faults] == ["goal.py"]
 

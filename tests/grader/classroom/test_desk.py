@@ -18,7 +18,10 @@ from test_whole_class import folder_of, in_folders, judge, moodles, people
 from grader.classroom import asked
 from grader.classroom.amendments.change import Comment, Style, Undo
 from grader.classroom.amendments.log import described
+from grader.classroom.desk.forms import Form
+from grader.classroom.folder import UNWRITTEN
 from grader.classroom.marking import marking, reading
+from grader.classroom.store import Store
 from grader.errors import InputError
 from grader.lms.sheets import read_roster
 
@@ -104,6 +107,11 @@ def test_several_at_once_and_the_log(desk: tuple[Visitor, Visitor], graded: Path
     assert "2 scores changed" in said or "3 scores changed" in said
     make("late", {"kind": "late"}, who="students", student="ann\nbob", deadline="2026-05-04T23:59",
          zone="UTC", per_day="10", grace="0", cap="50")  # fmt: skip
+    times = "id;time\r\nann;2026-05-06 23:00\r\n"
+    make("late", {"kind": "late"}, who="all", deadline="2026-05-04T23:59", zone="UTC",
+         per_day="10", grace="0", cap="", times=times)  # fmt: skip
+    assert points(graded) == {"ann": "80", "bob": "100", "eve": "100"}
+    make("undo", {"kind": "undo", "entry": "3"})
     make("publish", {"kind": "publish"}, who="students", student="ann")
     assert (graded / "published/ann/index.html").is_file()
     make("undo", {"kind": "undo", "entry": "1"})
@@ -111,12 +119,30 @@ def test_several_at_once_and_the_log(desk: tuple[Visitor, Visitor], graded: Path
         f"{SLUG}: slow_zone does not count (everybody)",
         f"{SLUG}: after 2026-05-04T23:59:00+00:00, 10 % of the points a day, at most 50 % "
         "(ann, bob)",
-        "feedback published: all exercises (ann)", "entry 1 is undone",
+        f"{SLUG}: after 2026-05-04T23:59:00+00:00, 10 % of the points a day, times of a file for 1 "
+        "(everybody)",
+        "entry 3 is undone", "feedback published: all exercises (ann)", "entry 1 is undone",
     ]  # fmt: skip
-    assert "undone by 4" in words(ada.page("/marks"))
+    assert "undone by 6" in words(ada.page("/marks"))
     status, _, said = ada.sent(ada.page("/marks"), {"exercise": SLUG}, kind="set", who="all",
                                check="blind", points="500", why="x")  # fmt: skip
     assert status == 400 and "gives 0 to" in said
+
+
+def test_what_a_kill_has_left_is_written(desk: tuple[Visitor, Visitor], graded: Path) -> None:
+    ada, _ = desk
+    assert "Write all results" not in ada.page("/")
+    (graded / "scores.csv").unlink()
+    with Store(graded / "store.sqlite") as store:
+        store.keep(UNWRITTEN, "yes")
+    said = words(ada.send(ada.page(ANN), {"kind": "write"}))
+    assert "All results" in said and "Write all results" not in said
+    assert points(graded)["ann"] == "70" and log_of(graded) == []
+
+
+def test_a_file_of_times_may_be_any_spreadsheets() -> None:
+    form = Form.of({"zone": [b"UTC"]}, {"times": [{"body": "id;Zoë\r\n".encode("cp1252")}]})
+    assert form["times"] == "id;Zoë"
 
 
 def test_words_for_the_student(desk: tuple[Visitor, Visitor], graded: Path) -> None:

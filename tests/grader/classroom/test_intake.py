@@ -57,6 +57,16 @@ def tar_with(path: Path, *members: tuple[tarfile.TarInfo, bytes]) -> None:
             archive.addfile(info, io.BytesIO(data))
 
 
+def test_an_empty_file_is_no_work(handed_in: Path) -> None:
+    (handed_in / "ann").mkdir()
+    (handed_in / "ann" / AGENT).write_text("\n \n")
+    student = the_one(handed_in)
+    assert find_files(student, [AGENT]).problem == f"{AGENT} is empty; ask for another copy"
+    (handed_in / "ann" / "agent (1).py").write_text("print()\n")
+    found = find_files(the_one(handed_in), [AGENT])
+    assert found.files[AGENT].name == "agent (1).py"
+
+
 def test_folders_and_archives_are_students(handed_in: Path) -> None:
     (handed_in / "Zoë Ünal").mkdir()
     (handed_in / "Zoë Ünal" / AGENT).write_bytes(b"1")

@@ -66,6 +66,25 @@ def test_another_class_is_refused_and_who_is_gone_is_said(
         grade_class(roster=roster)
 
 
+def test_who_is_held_stays_so_when_others_are_added(
+    grade_class: Any, handed_in: Path, tmp_path: Path, roster: Roster
+) -> None:
+    (handed_in / "bob" / FILE).rename(handed_in / "bob" / "notes.md")
+    grade_class(roster=roster)
+    for each in ("ann", "bob", "eve"):
+        (handed_in / each).rename(tmp_path / each)
+    (handed_in / "nob").mkdir()
+    (handed_in / "nob" / FILE).write_text("# late\n")
+    said = grade_class(roster=roster, add=True)[2].lines
+    assert scores(tmp_path / "out")["Bob Ray"]["state"] == "held"
+    assert any("Kept as they were" in line and "Bob Ray" in line for line in said)
+    assert "notes.md" in (tmp_path / "out" / "intake.csv").read_text()
+    (tmp_path / "bob").rename(handed_in / "bob")
+    (handed_in / "bob" / "notes.md").rename(handed_in / "bob" / FILE)
+    grade_class(roster=roster, add=True)
+    assert scores(tmp_path / "out")["Bob Ray"]["state"] == "graded"
+
+
 def test_a_mark_follows_who_hands_in_later(
     grade_class: Any, handed_in: Path, tmp_path: Path, roster: Roster
 ) -> None:

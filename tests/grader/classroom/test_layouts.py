@@ -207,12 +207,40 @@ def test_collected_work_of_nbgrader(download: Path) -> None:
     assert not faults(intake)
 
 
+@pytest.mark.parametrize(
+    ("place", "names"),
+    [
+        ("hw1-submissions", ["hw1-ann/.git/HEAD", f"hw1-ann/{AGENT}"]),
+        ("inbound", [f"ann+loop+2026-05-04 10:11:12 UTC/{AGENT}"]),
+        ("submitted", [f"ann/loop/{AGENT}"]),
+        ("course/HW 1", [f"ann_1_assignsubmission_file/{AGENT}"]),
+        ("export", [f"ann_1_2_{AGENT}"]),
+    ],
+)
+def test_the_folder_above_a_download_is_no_student(
+    download: Path, place: str, names: list[str]
+) -> None:
+    put(download, *(f"{place}/{name}" for name in names), "__MACOSX/._x", ".DS_Store")
+    intake = taken(download)
+    assert [student.id.removesuffix("_1") for student in intake.students] == ["ann"]
+    assert len(graded(intake)) == 1
+    assert not faults(intake)
+
+
+def test_a_class_of_one_keeps_its_student(download: Path) -> None:
+    put(download, f"ann/submitted/src/{AGENT}", "ann/submitted/doc/a.md")
+    assert graded(taken(download)) == {"ann": f"ann/submitted/src/{AGENT}"}
+    put(download, f"bob/week 1/{AGENT}")
+    assert list(graded(taken(download))) == ["ann", "bob"]
+
+
 def test_clones_of_github_classroom(tmp_path: Path) -> None:
     named, other = tmp_path / "week-1-submissions", tmp_path / "clones"
     for folder, users in ((named, ["ann-lee"]), (other, ["ann-lee", "ann-bo"])):
         for user in users:
             put(folder, f"week-1-{user}/.git/HEAD", f"week-1-{user}/{AGENT}")
-    assert list(graded(taken(named))) == ["ann-lee"]
+    put(named, f"week-1-cy/{AGENT}")  # a copy, without git
+    assert list(graded(taken(named))) == ["ann-lee", "cy"]
     assert len(graded(taken(other))) == 2
     assert all(".git" not in f.name for s in taken(other).students for f in s.files)
 
@@ -249,8 +277,19 @@ def test_an_export_of_gradescope(download: Path) -> None:
         "Cy Dee": f"submission_102/{AGENT}",  # a group: it counts for both
     }
     assert "does not say whose" in faults(intake)["submission_104"]
-    assert "no such folder" in faults(intake)["submission_103"]
+    assert "no such folder; it is of Gone" in faults(intake)["submission_103"]
     assert intake.students[0].who[0].email == "ann@uni.edu"
+
+
+def test_of_two_submissions_to_gradescope_the_later_counts(download: Path) -> None:
+    times = ("2026-03-29 02:30:00.0 +02:00", "2026-03-29 01:45:00.0 Z", "2026-03-28T20:00:00-04:00")
+    told = [f"submission_{n}:\n  :submitters:\n  - :name: No\n    :sid: 0012\n"
+            f"  :created_at: {time}\n" for n, time in enumerate(times)]  # fmt: skip
+    put(download, *(f"submission_{n}/{AGENT}" for n in range(3)))
+    (download / "submission_metadata.yml").write_text("".join(told))
+    intake = taken(download)
+    assert graded(intake) == {"No": f"submission_1/{AGENT}"}
+    assert intake.students[0].who[0].id == "0012"  # as it is written, in no other number's form
 
 
 @pytest.mark.parametrize("text", ["- 1\n", "a: [", "!!python/object/apply:os.system [id]", "\0"])

@@ -16,15 +16,17 @@ from marked_class import ANN, CHECKS, WHY, judged, payload, points, scores
 
 from grader.classroom.amendments.apply import amended
 from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, Undo, Waive, Whom
-from grader.classroom.amendments.late import moment_of, span_of, times_of
+from grader.classroom.amendments.late import lateness, moment_of, span_of, times_of
 from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import the_student
+from grader.classroom.folder import UNWRITTEN
 from grader.classroom.marking import marking, reading
 from grader.classroom.marks import points_of, tasks_of
+from grader.classroom.results import write
 from grader.classroom.row import GRADED, HELD
 from grader.classroom.store import Store
 from grader.errors import InputError
-from grader.lms.book import StudentRow
+from grader.lms.book import Handed, StudentRow
 from grader.lms.people import Person
 from grader.lms.sheets import read_roster
 
@@ -166,14 +168,18 @@ def test_nobody_and_nothing_is_guessed(graded: Path) -> None:
         ("Ray, Carla", ""),
         ("ray, carla", ""),
         ("carla ray", ""),
-        ("Lee", r"did you mean Ann Lee \(leeann_1\) or Ann Lee \(leeann_2\)\?"),
-        ("Ann Lee", r"not 'Ann Lee'; did you mean Ann Lee \(leeann_1\) or Ann Lee \(leeann_2\)\?"),
-        ("Ray", r"did you mean Carla Ray \(raycarla_3\)\?"),
+        ("Lee", r"did you mean leeann_1 \(Ann Lee, 1\) or leeann_2 \(Ann Lee, 2\)\?"),
+        (
+            "Ann Lee",
+            r"not 'Ann Lee'; did you mean leeann_1 \(Ann Lee, 1\) or leeann_2 \(Ann Lee, 2\)\?",
+        ),
+        ("Ray", r"did you mean raycarla_3 \(Carla Ray, 3\)\?"),
     ],
 )
 def test_people_are_called_as_gradebooks_do(word: str, said: str) -> None:
     names = {"leeann_1": "Ann Lee", "leeann_2": "Ann Lee", "raycarla_3": "Carla Ray"}
-    rows = {student: StudentRow(student, Person(name)) for student, name in names.items()}
+    rows = {student: StudentRow(student, Person(name, ids={"canvas": student[-1]}))
+            for student, name in names.items()}  # fmt: skip
     if not said:
         assert the_student(word, list(names), rows) == "raycarla_3"
         return
@@ -300,6 +306,49 @@ def test_times_that_are_none(tmp_path: Path, graded: Path) -> None:
         span_of("a while")
 
 
+def test_pages_stay_published_while_they_are_written_and_a_kill_is_told(
+    mark: Callable[..., Any], graded: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mark(Publish((), Whom()))
+    page = graded / "published/bob/obstacle_avoidance.html"
+    before, real = page.read_bytes(), write.index_page
+    made: list[Any] = []
+
+    def killed(*about: Any) -> str:
+        made.append(about)
+        if len(made) == 1:  # of feedback; then comes the published one
+            return real(*about)
+        assert page.read_bytes() == before
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(write, "index_page", killed)
+    with pytest.raises(KeyboardInterrupt):
+        mark(Score(SLUG, 30, ANN))
+    assert page.read_bytes() == before
+    monkeypatch.undo()
+    with marking(graded) as class_:
+        assert f"course marks write {graded}" in class_.summary()
+        class_.write()
+        assert "course marks write" not in class_.summary()
+    assert points(graded)["ann"] == "30"
+
+
+@pytest.mark.parametrize(
+    ("deadline", "told", "days"),
+    [
+        ("2026-10-24T23:59", "Sunday, 25 October 2026, 11:59 PM", 1),  # 25 hours later
+        ("2026-10-24T23:59", "Monday, 26 October 2026, 12:00 AM", 2),
+        ("2026-10-25T02:59", "2026-10-25T02:10+01:00", 1),  # the hour that there is twice
+        ("2026-03-28T23:59", "Sunday, 29 March 2026, 11:59 PM", 1),
+        ("2026-03-29T02:30", "Sunday, 29 March 2026, 2:30 AM", 0),  # an hour that isn't there
+    ],
+)
+def test_late_days_where_clocks_change(deadline: str, told: str, days: int) -> None:
+    zone = "Europe/Berlin"
+    rule = Late(SLUG, 10, moment_of(deadline, zone), 0, 100, zone, {})
+    assert lateness(rule, "ann", Handed("moodle", time=told)) == (days, "")
+
+
 # --- what is published -------------------------------------------------------------------------
 
 
@@ -316,3 +365,22 @@ def test_published_pages_are_kept_in_step(mark: Callable[..., Any], graded: Path
     assert not (there / "eve" / f"{SLUG}.html").exists()  # she is held
     mark(Undo(3))
     assert not there.exists()
+
+
+def test_a_change_writes_only_the_pages_that_it_changes(
+    mark: Callable[..., Any], graded: Path
+) -> None:
+    mark(Publish((), Whom()))
+    places = [graded / folder / student / "index.html" for folder in ("feedback", "published")
+              for student in ("ann", "bob")]  # fmt: skip
+    before = [each.stat().st_ino for each in places]  # replaced at once, so another is new
+    mark(Score(SLUG, 30, ANN))
+    after = [each.stat().st_ino for each in places]
+    assert [a == b for a, b in zip(before, after, strict=True)] == [False, True, False, True]
+    mark(Publish((), ANN), Undo(1))
+    assert [each.exists() for each in places] == [True, True, True, False]
+    (graded / "feedback/bob/index.html").unlink()
+    with Store(graded / "store.sqlite") as store:
+        store.keep(UNWRITTEN, "yes")  # a command was ended while it wrote
+    mark(Score(SLUG, 40, ANN))
+    assert places[1].is_file()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from grader.classroom.batch import GradedClass
 from grader.classroom.results import feedback, write
 from grader.classroom.results.write import Written, write_results
 from grader.cli.batch import summary
+from grader.errors import GraderError
 from grader.lms import PLATFORMS
 
 
@@ -111,3 +113,25 @@ def test_the_terminal_names_what_is_missing(tmp_path: Path) -> None:
     lines, held = summary(GradedClass([], ["scores.csv: KeyError: 'a'"]), tmp_path)
     assert "  missing: scores.csv: KeyError: 'a'" in lines.splitlines()
     assert held == 0
+
+
+def test_a_process_that_is_ended_from_outside_is_no_traceback(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    results, options = classes.whole_class()
+
+    class Dying:
+        def __init__(self, *_: object) -> None: ...
+
+        def __enter__(self) -> Dying:
+            return self
+
+        def __exit__(self, *_: object) -> None: ...
+
+        def map(self, *_: object) -> Any:
+            raise BrokenProcessPool("gone")
+
+    monkeypatch.setattr(write, "ProcessPoolExecutor", Dying)
+    monkeypatch.setattr(write, "MANY", 1)
+    with pytest.raises(GraderError, match=f"ended from outside.*course marks write {tmp_path}"):
+        write_results(results, tmp_path, replace(options, workers=2))

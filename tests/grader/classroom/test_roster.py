@@ -105,6 +105,26 @@ def test_a_csv_of_ones_own(tmp_path: Path, text: bytes) -> None:
     assert roster.people[1].section == "B"
 
 
+def test_ids_and_names_that_disagree_are_a_persons_to_decide(tmp_path: Path) -> None:
+    names = "Name,SID,Email\nAnn Lee,12,ann@x\nBo Fox,0012,bo@x\n"
+    groups = "name,canvas_user_id,group_name\nAnn Lee,1,Red Team\nBo Fox,2,Red Team\n"
+    for text, asked in (
+        (names, ("gradescope", "Ann Lee", "0012")),  # a number that a student typed
+        (groups, ("canvas", "redteam", "3")),  # who handed in for the group is gone
+        (groups, ("canvas", "redteam", "3", "")),
+    ):
+        match = read(tmp_path, text).match(*asked)
+        assert not match.people
+        assert {person.name for person in match.may_be} == {"Ann Lee", "Bo Fox"}
+    again = read(tmp_path, GITHUB).match("github", "Carla-L-1", "carla-l-1")
+    assert [person.name for person in again.may_be] == ["Carla Lee"]  # a second repository
+
+
+def test_canvas_with_first_and_last_names(tmp_path: Path) -> None:
+    text = 'LastName,FirstName,ID,Section\nLee,Ann,1,A\n"=""=Cmd""",,2,A\n'
+    assert [person.label for person in read(tmp_path, text).people] == ["Ann Lee", "=Cmd"]
+
+
 def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
     roster = read(tmp_path, "id,name\n1,Ann Lee\n2,Ann Lee\n3,Bob\n")
     assert name_of(roster, "moodle", "Ann Lee", "71") == ""
@@ -119,6 +139,7 @@ def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
         ("", "expected a CSV with headings"),
         ("a,b\n1,2\n", "the headings are 'a, b'"),
         ("id,name\n1,Ann\n1,Bob\n", "two are 'Bob'"),
+        ("id,name\nann,Ann\nAnn,Bob\n", "two are 'Bob'"),
         ("name\nAnn\nAnn\n", "add a column id"),
         ("\0\0\0", "expected a CSV"),
         ("name," + "x" * 200_000 + "\n" + "y" * 200_000, "a broken CSV"),
@@ -132,7 +153,7 @@ def test_what_is_no_roster(tmp_path: Path, text: str, said: str) -> None:
 
 
 def test_canvas_and_gradescope_have_people_who_are_no_students(tmp_path: Path) -> None:
-    canvas = CANVAS + '"Student, Test",99,,,A,,\n'
+    canvas = CANVAS + f'"Estudiante, Prueba",99,,{"5d" * 20},A,,\n'
     roster = read(tmp_path, canvas, "Name,SID,Email,Role\nDi,s9,d@uni.edu,Instructor\n")
     assert len(roster.people) == 3
 
