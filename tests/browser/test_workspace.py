@@ -6,6 +6,7 @@ those of `course grade`. Without `make workspace` these tests are skipped.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import http.server
 import shutil
@@ -48,10 +49,9 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
         pass
 
 
-@pytest.fixture(scope="module")
-def address(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Where a plain server has the site, below a sub-path."""
-    root = tmp_path_factory.mktemp("served")
+@contextlib.contextmanager
+def served(site: Path, root: Path) -> Iterator[str]:
+    """Have the site on a plain server, below a sub-path."""
     (root / "below" / "it").mkdir(parents=True)
     (root / "below" / "it" / "course").symlink_to(site)
     handler = functools.partial(Quiet, directory=str(root))
@@ -59,6 +59,12 @@ def address(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[st
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}/below/it/course"
         server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def address(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    with served(site, tmp_path_factory.mktemp("served")) as address:
+        yield address
 
 
 @pytest.fixture(scope="module")
@@ -152,8 +158,8 @@ def test_the_first_failure_is_shown_where_it_happens(open_workspace: Any) -> Non
     check(page, text.replace("twist.linear.x = speed", "twist.linear.x = speed + 0.3"))
     button = page.locator("li[data-outcome=fail] button").first
     moment = button.inner_text().removeprefix("Show ").removesuffix(" s")
-    replay = page.frame_locator(".ws-replay iframe")
-    assert replay.locator(".clock").inner_text().startswith(moment)
+    replay = page.frame_locator(".ws-replay iframe")  # it leads up to the moment, and stops there
+    replay.locator(".clock", has_text=f"{moment} /").wait_for()
     marked = page.locator(".cm-lintRange-error").inner_text()
     assert marked.strip().startswith("self.drive(")
     page.locator("li[data-outcome=fail] button", has_text="A hint").first.click()
@@ -167,6 +173,10 @@ def test_what_was_typed_survives_a_stop_and_a_reload(open_workspace: Any) -> Non
     page.keyboard.press("Control+Enter")
     page.get_by_role("button", name="Stop it").click(timeout=SLOW)
     assert settle(page) == "Stopped."
+    type_in(page, "import rclpy\n")
+    page.keyboard.press("Control+Enter")  # of the spare, or of another start
+    assert "ended early" in settle(page)
+    type_in(page, DRIVE_ON)
     page.reload()
     page.locator(".cm-content").wait_for()
     assert "while True" in typed(page)
@@ -226,6 +236,21 @@ def test_the_keyboard_gets_into_the_editor_and_out_again(open_workspace: Any) ->
     assert page.evaluate("document.activeElement.id") == "ws-scenario"
     page.keyboard.press("Escape")
     assert not page.locator("dialog.workspace").is_visible()
+
+
+def test_a_later_visit_needs_no_server(chromium: Any, site: Path, tmp_path: Path) -> None:
+    context = chromium.new_context()
+    page = context.new_page()
+    with served(site, tmp_path) as address:
+        page.goto(f"{address}/exercises/{SLUG}/README.html#workspace")
+        assert settle(page) == "Ready."
+        page.wait_for_function("caches.match(location.pathname)")
+    page.reload()
+    page.locator(".cm-content").wait_for()
+    assert settle(page) == "Ready."
+    page.get_by_role("button", name="Drive").click()
+    assert "Driven to the end" in settle(page)
+    context.close()
 
 
 def test_the_front_page_leads_into_the_workspace(chromium: Any, address: str) -> None:

@@ -6,6 +6,7 @@ const FOLDER = '/home/reader'; // where the worker puts the node
 const PATIENCE = 10; // [s] without a word of the worker, after which the reader is asked
 const JUDGE_EVERY = 2; // [s] while a check drives on: each time costs about half a second
 const KEPT = 20; // versions
+const CACHE = 'course-workspace'; // also in worker.js
 const LONGEST = 8000; // [characters] of a link: longer ones are cut where they are passed on
 const NOTHING_KEPT = 'This browser keeps nothing for this site: download your file before you leave the page.';
 const NO_MEMORY = 'The browser had no memory left. Close other tabs, then try again; what you typed is not lost.';
@@ -97,32 +98,40 @@ class Shelf {
 
 class Stopped extends Error {}
 
-/** The worker: one call at a time. `onnews` hears what it says, `onsilence` that it says nothing. */
-class Machine {
+/** A worker with a Python of its own: one call at a time. `onnews` hears what it says, `onsilence` that it says nothing. */
+class Hand {
   constructor({ onnews, onsilence }) {
     this.onnews = onnews;
     this.onsilence = onsilence;
     this.worker = null;
+    this.isWarm = false;
+    this.doing = '';
   }
 
   /** Start a worker unless one is there, and wait until it is warm. */
   ready() {
     if (!this.worker) {
-      this.worker = new Worker(new URL('worker.js', HERE));
-      this.worker.onmessage = ({ data }) => this.hear(data);
-      this.worker.onerror = (event) => this.hear({ kind: 'error', text: event.message || 'the worker did not start' });
-      this.warm = this.send({ call: 'load' });
-      this.warm.catch(() => this.end());
+      this.warm = this.start();
+      this.warm.then(() => { this.isWarm = true; }, () => this.end());
     }
     return this.warm;
   }
 
-  /** Call a method of workspace.runtime.Runtime in a fresh copy of the warm process. */
-  async call(call, order, files) {
+  start() {
+    this.worker = new Worker(new URL(`worker.js?${manifest['worker.js'].sha256}`, HERE));
+    this.worker.onmessage = ({ data }) => this.hear(data);
+    this.worker.onerror = (event) => this.hear({ kind: 'error', text: event.message || 'the worker did not start' });
+    return this.send({ call: 'load', manifest });
+  }
+
+  /** Call a method of workspace.runtime.Runtime in a fresh copy of the warm process; return what it says, and recordings. */
+  async call(call, order, { files = {}, recordings = {} }) {
     await this.ready();
+    [this.reached, this.where] = [0, order.scenario || 'the judgement'];
     this.watch();
     try {
-      return await this.send({ call, order, files });
+      const { said, recordings: made } = await this.send({ call, order, files, recordings });
+      return [call === 'replay' ? said : JSON.parse(said), made];
     } finally {
       clearTimeout(this.dog);
     }
@@ -136,33 +145,86 @@ class Machine {
   }
 
   hear(data) {
-    if (data.kind === 'answer') this.waiting.resolve(data.answer);
-    else if (data.kind === 'error') {
-      this.end();
-      this.waiting.reject(new Error(data.text));
-    } else {
-      this.onnews(data);
-      if (data.kind === 'reached') this.watch();
+    if (data.kind === 'answer') {
+      this.waiting.resolve(data);
+      this.waiting = null;
+    } else if (data.kind === 'error') this.end(new Error(data.text));
+    else {
+      if (data.kind === 'reached') {
+        this.reached = data.seconds;
+        this.watch();
+      }
+      this.onnews(this, data);
     }
   }
 
   watch() {
     clearTimeout(this.dog);
-    this.dog = setTimeout(() => this.onsilence(), PATIENCE * 1000);
+    this.dog = setTimeout(() => this.onsilence(this), PATIENCE * 1000);
   }
 
-  /** Stop whatever runs; the next call starts anew. */
-  stop() {
-    if (!this.worker) return;
-    this.end();
-    this.waiting.reject(new Stopped());
-  }
-
-  end() {
+  end(why) {
     clearTimeout(this.dog);
     this.worker?.terminate();
     this.worker = null;
+    this.isWarm = false;
+    this.waiting?.reject(why);
+    this.waiting = null;
   }
+}
+
+/** All workers: the one that is waited for, and a spare, where there is a processor and memory for it. */
+class Machine {
+  constructor(listeners) {
+    const memory = navigator.deviceMemory ?? (matchMedia('(pointer: fine)').matches ? 8 : 2); // [GB]
+    const most = navigator.hardwareConcurrency > 1 && memory >= 4 ? 2 : 1;
+    this.hands = Array.from({ length: most }, () => new Hand(listeners));
+  }
+
+  /** Return a warm hand; the others get ready meanwhile. */
+  async ready() {
+    this.first = this.hands.find((hand) => hand.isWarm) || this.hands.find((hand) => hand.worker) || this.hands[0];
+    await this.first.ready();
+    for (const hand of this.hands) hand.ready().catch(() => {}); // no memory for it: one will do
+    return this.first;
+  }
+
+  async call(...call) { return (await this.ready()).call(...call); }
+
+  /** Let every warm hand, and each that gets warm meanwhile, do something again and again while it returns true. */
+  async together(act) {
+    await this.ready();
+    let finish;
+    const over = new Promise((resolve) => { finish = resolve; });
+    await Promise.all(this.hands.map(async (hand) => {
+      await Promise.race([hand.warm.catch(() => over), over]);
+      while (hand.isWarm && await act(hand)); // eslint-disable-line no-await-in-loop
+      finish();
+    }));
+  }
+
+  /** Stop whatever runs; a spare stays. */
+  stop() {
+    const hands = this.hands.filter((hand) => hand.waiting && (hand.isWarm || hand === this.first));
+    for (const hand of hands) hand.end(new Stopped());
+  }
+}
+
+// --- without a network ------------------------------------------------------------------------------
+
+/** Keep what this page is made of; worker.js keeps its own. Where the browser keeps nothing, it works without. */
+async function keepForLater() {
+  const root = new URL('../../', HERE); // of the site
+  await navigator.serviceWorker.register(new URL('offline.js', root));
+  const store = await caches.open(CACHE);
+  const hashes = Object.values(manifest).map(({ sha256 }) => `?${sha256}`);
+  const isOld = ({ url }) => /\?[0-9a-f]{64}$/.test(url) && !hashes.some((hash) => url.endsWith(hash));
+  await Promise.all((await store.keys()).filter(isOld).map((request) => store.delete(request)));
+  const loaded = performance.getEntriesByType('resource').map(({ name }) => name).filter((name) => name.startsWith(root));
+  const worker = new URL(`worker.js?${manifest['worker.js'].sha256}`, HERE).href;
+  const hints = new URL('hints.html', location.href).href;
+  await Promise.all([...new Set([hints, worker, ...loaded])].map((name) => store.add(name).catch(() => {})));
+  await store.add(location.pathname);
 }
 
 // --- hints ------------------------------------------------------------------------------------------
@@ -188,7 +250,8 @@ class Workspace {
     [this.file] = plan.files;
     this.skeleton = plan.skeleton[this.file];
     this.shelf = new Shelf(plan.slug);
-    this.machine = new Machine({ onnews: (news) => this.hear(news), onsilence: () => this.ask() });
+    this.machine = new Machine({ onnews: (hand, news) => this.hear(hand, news), onsilence: (hand) => this.ask(hand) });
+    this.recordings = {}; // of the last check, by their files
     this.busy = false;
     this.rows = {};
     this.build();
@@ -249,7 +312,10 @@ class Workspace {
     const said = code === null ? [] : [await this.take(code)];
     if (!this.shelf.works) said.push(NOTHING_KEPT);
     if (whyNot()) this.say([whyNot(), ...said].join(' '));
-    else this.work(() => this.machine.ready(), ['Ready.', ...said].join(' '));
+    else {
+      this.work(() => this.machine.ready(), ['Ready.', ...said].join(' '));
+      this.machine.first.warm.then(keepForLater).catch(() => {}); // not by http, not in a private window
+    }
   }
 
   /** Put a link's code into the editor; say what came of it. */
@@ -284,25 +350,24 @@ class Workspace {
     this.tabs.forEach((tab) => tab.setAttribute('aria-pressed', tab.dataset.name === name));
   }
 
-  hear({ kind, text, seconds }) {
-    if (kind === 'progress') this.say(text);
+  hear(hand, { kind, text, seconds }) {
+    if (kind === 'progress' && hand === this.machine.first) this.say(text);
     if (kind === 'out') {
       this.log.hidden = false;
       this.log.textContent = `${this.log.textContent}${text}\n`.slice(-20000);
     }
     if (kind === 'reached') {
       this.question.hidden = true;
-      this.reached = seconds;
-      this.say(`${this.doing}: ${seconds.toFixed(1)} s driven`);
+      this.say(`${hand.doing}: ${seconds.toFixed(1)} s driven`);
     }
   }
 
   /** Python says nothing: whether to wait is the reader's choice. */
-  ask() {
-    const where = this.reached === null ? 'while it started' : `at ${this.reached.toFixed(1)} s of ${this.running}`;
+  ask(hand) {
     this.question.replaceChildren(
-      el('span', {}, `Time has stood still for ${PATIENCE} s (${where}): the node computes, or a loop never ends. `),
-      el('button', { type: 'button', onclick: () => { this.question.hidden = true; this.machine.watch(); } }, 'Wait'),
+      el('span', {}, `Time has stood still for ${PATIENCE} s (at ${hand.reached.toFixed(1)} s of ${hand.where}): `
+        + 'the node computes, or a loop never ends. '),
+      el('button', { type: 'button', onclick: () => { this.question.hidden = true; hand.watch(); } }, 'Wait'),
       el('button', { type: 'button', onclick: () => this.machine.stop() }, 'Stop it'));
     this.question.hidden = false;
   }
@@ -316,16 +381,16 @@ class Workspace {
     this.dialog.setAttribute('aria-busy', 'true');
     this.driveButton.disabled = this.checkButton.disabled = true;
     this.stopButton.hidden = false;
-    this.reached = null;
     try {
       const said = await task();
       this.say(done || said);
     } catch (error) {
+      this.machine.stop(); // what others are at is of no use any more
       const text = String(error.message || error);
       if (error instanceof Stopped) this.say('Stopped.');
       else if (/memory|allocation/i.test(text)) this.say(NO_MEMORY);
       else this.say(`This went wrong in the page, not in your node: ${text.trim().split('\n').at(-1)}`);
-      if (!(error instanceof Stopped)) this.hear({ kind: 'out', text });
+      if (!(error instanceof Stopped)) this.hear(null, { kind: 'out', text });
     }
     this.busy = false;
     this.dialog.setAttribute('aria-busy', 'false');
@@ -333,15 +398,12 @@ class Workspace {
     this.stopButton.hidden = this.question.hidden = true;
   }
 
-  /** Run the node in a scenario; return how it ended. */
-  async run(scenario, more = {}) {
-    this.running = scenario;
-    this.reached = null;
+  /** Run the node in a scenario; return how it ended, and its recording. */
+  async run(hand, scenario, more = {}) {
     const order = { file: `${FOLDER}/${this.file}`, others: this.plan.files, scenario, ...more };
     const files = { [this.file]: this.editor.text };
-    let ended = JSON.parse(await this.machine.call('trial', order, files));
-    if (ended.lead) ended = JSON.parse(await this.machine.call('trial', { ...order, lead: ended.lead }, files));
-    return ended;
+    const [ended, recordings] = await hand.call('trial', order, { files });
+    return ended.lead ? this.run(hand, scenario, { ...more, lead: ended.lead }) : [ended, recordings];
   }
 
   drive() {
@@ -349,10 +411,11 @@ class Workspace {
     const seed = this.seed.value === '' ? {} : { seed: Number(this.seed.value) };
     this.editor.mark(0);
     return this.work(async () => {
-      this.doing = `Driving in ${scenario}`;
-      this.say(`${this.doing} …`);
-      const ended = await this.run(scenario, seed);
-      await this.play([scenario], []);
+      const hand = await this.machine.ready();
+      hand.doing = `Driving in ${scenario}`;
+      this.say(`${hand.doing} …`);
+      const [ended, recordings] = await this.run(hand, scenario, seed);
+      await this.play([scenario], [], recordings);
       this.show('replay');
       if (ended.kind === 'completed') return `Driven to the end of ${scenario}.`;
       this.mark({ where: ended.where, message: ended.text });
@@ -364,41 +427,53 @@ class Workspace {
     this.editor.mark(0);
     Object.values(this.rows).forEach(({ fill }) => fill(null));
     return this.work(async () => {
-      const { checks } = this.plan;
       const text = this.editor.text;
-      const driven = [];
-      const wanted = [...new Set(checks.flatMap((check) => check.scenarios))];
-      let [shown, last] = [0, performance.now()];
-      for (const [i, { scenarios }] of checks.entries()) {
-        for (const scenario of scenarios.filter((name) => !driven.includes(name))) {
-          this.doing = `Run ${driven.length + 1} of ${wanted.length}, ${scenario}`;
-          this.say(`${this.doing} …`);
-          await this.run(scenario, { interrupt: !driven.length });
-          driven.push(scenario);
-        }
-        if (performance.now() - last > JUDGE_EVERY * 1000 && i + 1 < checks.length) {
-          const only = checks.slice(shown, i + 1).map(({ id }) => id);
-          this.fill(await this.judge(driven, only), only);
-          [shown, last] = [i + 1, performance.now()];
-        }
-      }
+      await this.driveAll();
       this.say('Judging …');
-      const grading = await this.judge(driven);
-      this.fill(grading, checks.map(({ id }) => id));
+      const grading = await this.judge(await this.machine.ready());
+      this.fill(grading, this.plan.checks.map(({ id }) => id));
       this.shelf.add(text, `${grading.score} of ${grading.max_score}`);
       this.listVersions();
-      await this.tell(grading, driven);
+      await this.tell(grading);
       return `${grading.score} of ${grading.max_score} points.`;
     });
   }
 
-  async judge(scenarios, only = []) {
-    const order = { exercise: this.plan.slug, file: this.file, scenarios, only };
-    return JSON.parse(await this.machine.call('judge', order));
+  /** Drive in all scenarios of the checks; on a slow machine judge what can be judged meanwhile. */
+  async driveAll() {
+    const { checks } = this.plan;
+    const wanted = [...new Set(checks.flatMap((check) => check.scenarios))];
+    const left = [...wanted];
+    let [shown, last] = [0, performance.now()];
+    this.recordings = {};
+    await this.machine.together(async (hand) => {
+      const scenario = left.shift();
+      if (!scenario) return false;
+      const number = wanted.length - left.length;
+      hand.doing = `Run ${number} of ${wanted.length}, ${scenario}`;
+      this.say(`${hand.doing} …`);
+      const [, recordings] = await this.run(hand, scenario, { interrupt: number === 1 });
+      Object.assign(this.recordings, recordings);
+      const open = checks.findIndex((check) => !check.scenarios.every((name) => `${name}.pickle` in this.recordings));
+      if (performance.now() - last > JUDGE_EVERY * 1000 && open > shown) {
+        const only = checks.slice(shown, open).map(({ id }) => id);
+        [shown, last] = [open, performance.now()];
+        this.fill(await this.judge(hand, only), only);
+      }
+      return true;
+    });
   }
 
+  async judge(hand, only = []) {
+    const order = { exercise: this.plan.slug, file: this.file, scenarios: this.driven, only };
+    return (await hand.call('judge', order, { recordings: this.recordings }))[0];
+  }
+
+  /** The scenarios of which there are recordings, in the order of the checks. */
+  get driven() { return Object.keys(this.plan.scenarios).filter((name) => `${name}.pickle` in this.recordings); }
+
   /** Show a grading as a whole, and the first failure where it happens; all runs if nothing failed. */
-  async tell(grading, driven) {
+  async tell(grading) {
     const { cause } = grading;
     this.score.replaceChildren(
       el('strong', {}, `${grading.score} of ${grading.max_score} points. `),
@@ -406,14 +481,14 @@ class Workspace {
       cause ? el('p', { class: 'ws-cause' }, el('strong', {}, 'Cause: '), cause.text,
         cause.where ? el('pre', {}, cause.where) : null) : '');
     const first = grading.checks.find((check) => check.outcome === 'fail');
-    if (!first) await this.play(driven, grading.checks);
-    else if (first.scenario) await this.play([first.scenario], [first]);
+    if (!first) await this.play(this.driven, grading.checks, this.recordings);
+    else if (first.scenario) await this.play([first.scenario], [first], this.recordings);
     if (first) this.mark(first);
     this.show('checks');
   }
 
-  async play(scenarios, checks) {
-    const html = await this.machine.call('replay', { scenarios, checks, title: this.plan.title });
+  async play(scenarios, checks, recordings) {
+    const [html] = await this.machine.call('replay', { scenarios, checks, title: this.plan.title }, { recordings });
     const frame = el('iframe', { title: 'Replay', sandbox: 'allow-scripts' });
     frame.addEventListener('load', () => this.shade(frame));
     frame.srcdoc = html;
@@ -473,7 +548,7 @@ class Workspace {
   look(result) {
     this.mark(result);
     this.work(async () => {
-      await this.play([result.scenario], [result]);
+      await this.play([result.scenario], [result], this.recordings);
       this.show('replay');
       return result.message;
     });
@@ -578,8 +653,10 @@ function plainEditor(parent, text, label, onChange) {
 // --- the block in the page --------------------------------------------------------------------------
 
 const place = document.querySelector('.workspace-block');
+const read = async (name) => (await fetch(new URL(name, HERE), { cache: 'no-cache' })).json();
+const manifest = place ? await read('manifest.json') : {};
 if (place) {
-  const { exercises, demos } = await (await fetch(new URL('plan.json', HERE))).json();
+  const { exercises, demos } = await read('plan.json');
   const workspace = new Workspace(exercises[place.dataset.exercise], demos, place);
   place.querySelector('.workspace-words').textContent = 'Write the node here, drive it and have it checked, in this '
     + 'browser: nothing is installed, and nothing leaves this machine. The first visit fetches 12 MB.';
