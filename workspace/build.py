@@ -45,7 +45,7 @@ WEB = ("offline.js", "start.js", "worker.js", "workspace.js", "workspace.css")
 # The rooms of the course that a page needs
 COURSE = re.compile(
     rf"sim/(?!live/)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
-    rf"|workspace/(runtime|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
+    rf"|workspace/(runtime|stacks|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
     r"|grader/(?!exercises|authoring|classroom|cli|drive|lms|nbgrader|notebook|testing"
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )

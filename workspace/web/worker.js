@@ -4,6 +4,7 @@ const FOLDER = '/home/reader'; // of the node
 const RECORDINGS = '/recordings';
 let python;
 let image;
+let top; // of the stack, when the image was made
 const calls = {}; // methods of workspace.runtime.Runtime
 
 const CACHE = 'course-workspace'; // also in workspace.js
@@ -42,6 +43,7 @@ function unpack(archive) {
   }
 }
 
+const fail = (error) => postMessage({ kind: 'error', text: String(error && error.message ? error.message : error).slice(-4000) });
 const say = (text) => postMessage({ kind: 'progress', text });
 
 async function load(manifest) {
@@ -73,18 +75,35 @@ async function load(manifest) {
 import sys
 sys.path[:0] = ["/course", "/course/workspace/stand_ins"]
 from workspace import runtime
-from js import reached
-page = runtime.warm("${RECORDINGS}", reached)
+from js import reached, stacks
+from pyodide.ffi import run_sync
+
+class Browser:
+    begin, wake = stacks.begin, stacks.wake
+    wait = staticmethod(lambda number: run_sync(stacks.waited(number)))
+
+page = runtime.warm("${RECORDINGS}", reached, ${threads ? 'Browser' : 'None'})
 `);
   const page = python.globals.get('page');
-  for (const name of ['trial', 'judge', 'replay']) calls[name] = page[name];
+  for (const name of ['trial', 'judge', 'replay', 'thread']) calls[name] = page[name];
   image = python._module.HEAPU8.slice();
+  top = python._module.stackSave();
 }
+
+const threads = 'Suspending' in WebAssembly; // stacks that wait for a promise
+const waiting = new Map(); // how to wake them, by their numbers
+globalThis.stacks = {
+  begin: (number) => queueMicrotask(() => calls.thread.callPromising(number).catch(fail)),
+  waited: (number) => new Promise((resolve) => { waiting.set(number, resolve); }),
+  wake: (number) => { waiting.get(number)(); waiting.delete(number); },
+};
 
 function restore() {
   const memory = python._module.HEAPU8;
   memory.set(image);
   memory.fill(0, image.length);
+  python._module.stackRestore(top);
+  waiting.clear();
 }
 
 /** Let a folder hold these files, texts or bytes, and nothing else. */
@@ -94,11 +113,11 @@ function fill(folder, files) {
 }
 
 /** What a call needs of files comes with it, and what it made of them goes with the answer. */
-function answer(call, order, files, recordings) {
+async function answer(call, order, files, recordings) {
   fill(FOLDER, files);
   fill(RECORDINGS, recordings);
   restore();
-  const said = calls[call](JSON.stringify(order));
+  const said = threads && call === 'trial' ? await calls.trial.callPromising(JSON.stringify(order)) : calls[call](JSON.stringify(order));
   const made = call === 'trial' ? python.FS.readdir(RECORDINGS).filter((name) => !name.startsWith('.')) : [];
   const contents = Object.fromEntries(made.map((name) => [name, python.FS.readFile(`${RECORDINGS}/${name}`)]));
   postMessage({ kind: 'answer', said, recordings: contents }, Object.values(contents).map(({ buffer }) => buffer));
@@ -106,12 +125,12 @@ function answer(call, order, files, recordings) {
 
 onmessage = async ({ data: { call, manifest, order, files, recordings } }) => {
   try {
-    if (call !== 'load') answer(call, order, files, recordings);
+    if (call !== 'load') await answer(call, order, files, recordings);
     else {
       await load(manifest);
       postMessage({ kind: 'answer' });
     }
   } catch (error) {
-    postMessage({ kind: 'error', text: String(error && error.message ? error.message : error).slice(-4000) });
+    fail(error);
   }
 };
