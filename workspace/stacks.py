@@ -12,9 +12,13 @@ from __future__ import annotations
 
 import _thread
 import itertools
+import sys
 import threading
 from collections.abc import Callable
+from types import FrameType
 from typing import Any, NoReturn, Protocol
+
+from grader.host.imports import host
 
 
 class Browser(Protocol):
@@ -39,6 +43,7 @@ class Stacks:
         self._numbers = itertools.count(self._main + 1)
         self._bodies: dict[int, Callable[[], object]] = {}
         self._ends: dict[int, Any] = {}  # what opens when a thread ends, as `join` wants it
+        self._frames: dict[int, FrameType | None] = {}  # the student's, of those that wait
         self._over = Gate(self)
 
     def install(self) -> None:
@@ -47,6 +52,7 @@ class Stacks:
         _thread.start_new_thread = module._start_new_thread = self._start_new_thread
         _thread.get_ident = threading.get_ident = lambda: self._current
         module._set_sentinel = self._set_sentinel
+        sys._current_frames = self._current_frames  # type: ignore[assignment]
 
     def run(self, body: Callable[[], object]) -> None:
         """Run a trial's program on a stack of its own until it is over."""
@@ -74,9 +80,11 @@ class Stacks:
     def wait(self, tell: Callable[[int], object] = lambda _: None) -> None:
         """Wait on this stack for a number that `tell` is told."""
         number, current = next(self._numbers), self._current
+        self._frames[current] = _students(sys._getframe(1))
         tell(number)
         self._browser.wait(number)
         self._current = current
+        del self._frames[current]
 
     def wake(self, number: int) -> None:
         """Let who waits for a number go on."""
@@ -102,6 +110,10 @@ class Stacks:
         number = next(self._numbers)
         self._begin(number, lambda: function(*args, **(kwargs or {})))
         return number
+
+    def _current_frames(self) -> dict[int, FrameType | None]:
+        """Return one frame of each thread; Python would look into stacks that lie elsewhere now."""
+        return {**self._frames, self._current: sys._getframe(1)}
 
     def _set_sentinel(self) -> Any:
         self._ends[self._current] = end = threading.Lock()
@@ -131,3 +143,9 @@ class Gate:
 
     def _note(self, number: int) -> None:
         self._waiting = number
+
+
+def _students(frame: FrameType | None) -> FrameType | None:
+    while frame is not None and not host.is_beside(frame.f_code.co_filename):
+        frame = frame.f_back
+    return frame
