@@ -47,13 +47,13 @@ COURSE = re.compile(
     rf"sim/(?!live/)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
     rf"|workspace/(runtime|stacks|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
     r"|grader/(?!exercises|authoring|classroom|cli|drive|lms|nbgrader|notebook|testing"
-    r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
+    r"|report/terminal|trial/real_time|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
 FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")
 # What is run from its source, or quoted in a node's traceback
 SOURCES = r"^rclpy_portable/_ros/rclpy/|^grader/exercises/|^grader/host/supplied/"
 PACKAGES = (  # of .venv; without compiled parts
-    "_pytest", "iniconfig", "packaging", "pluggy", "py.py", "pygments", "pytest", "rosbags", "yaml",
+    "_pytest", "iniconfig", "pluggy", "py.py", "pygments", "pytest", "rosbags", "yaml",
 )  # fmt: skip
 NOT_OF_PACKAGES = re.compile(
     r"pygments/(lexers/(?!__init__|_mapping|python|diff)|styles/(?!__init__|_mapping|default)"
@@ -61,7 +61,7 @@ NOT_OF_PACKAGES = re.compile(
     r"|rosbags/typesys/stores/(latest|ros1|ros2_(kilted|lyrical))"
 )
 NOT_OF_NUMPY = re.compile(
-    r"/tests/|\.pyi$|/include/|/f2py/|/_pyinstaller/|/testing/|/distutils/|\.a$|/doc/|\.js$"
+    r"/tests/|\.pyi$|\.pxd$|timer_comparison|/include/|/f2py/|/_pyinstaller/|/testing/|/distutils/|\.a$|/doc/|\.js$"
     r"|\.dist-info/(?!METADATA)|_umath_tests|_rational_tests|_struct_ufunc|_operand_flag"
 )
 NOT_OF_PYTHON = re.compile(
@@ -167,7 +167,14 @@ def _plans() -> dict[str, Any]:
         each.slug: {name: (each.folder / name).read_text("utf-8") for name in each.files}
         for each in exercises
     }
-    plans = {each.slug: {**plan(each), "skeleton": skeleton[each.slug]} for each in exercises}
+    plans = {
+        each.slug: {
+            **plan(each),
+            "skeleton": skeleton[each.slug],
+            "threads": each.slug in PINS["threaded"],
+        }
+        for each in exercises
+    }
     return {"exercises": plans, "demos": demos}
 
 

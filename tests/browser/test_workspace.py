@@ -30,7 +30,9 @@ TYPED = {  # in each exercise, after the reference
     "obstacle_avoidance": ("narrow_cone", "one_close_beam_is_noise", "reliable_only"),
     "goal_seeking": ("yaw_in_degrees", "ignores_without_a_word", "no_wrap"),
     "trend_memory": ("whole_circle", "dies_of_equal_stamps", "time_of_arrival"),
+    "slow_model": ("one_group_for_all", "thread_for_each_scan", "overlapping_inferences"),
     "safety_supervisor": ("raises_on_nan", "no_obstacle", "silent_when_stale"),
+    "latency_monitor": ("all_calls_ever", "dies_without_a_model", "missed_ever"),
 }
 SLUG = "obstacle_avoidance"
 NO_STORAGE = "Object.defineProperty(window, 'localStorage', { get() { throw new Error('no') } })"
@@ -199,18 +201,19 @@ def test_a_link_carries_the_code_and_puts_aside_what_was_there(open_workspace: A
 
 
 @pytest.mark.parametrize(
-    ("hash_", "script", "said"),
+    ("slug", "hash_", "script", "said"),
     [
-        ("#code=eJwDAAAA", "", "cut on its way"),
-        ("#workspace", "delete globalThis.WebAssembly", "needs WebAssembly"),
-        ("#workspace", "delete globalThis.DecompressionStream", "needs a newer browser"),
-        ("#workspace", NO_STORAGE, "keeps nothing"),
+        (SLUG, "#code=eJwDAAAA", "", "cut on its way"),
+        (SLUG, "#workspace", "delete globalThis.WebAssembly", "needs WebAssembly"),
+        (SLUG, "#workspace", "delete globalThis.DecompressionStream", "needs a newer browser"),
+        (SLUG, "#workspace", NO_STORAGE, "keeps nothing"),
+        ("slow_model", "#workspace", "delete WebAssembly.Suspending", "needs threads"),
     ],
 )
 def test_what_is_missing_is_said_in_a_sentence_and_one_can_type(
-    open_workspace: Any, hash_: str, script: str, said: str
+    open_workspace: Any, slug: str, hash_: str, script: str, said: str
 ) -> None:
-    page = open_workspace(hash_, script=script)
+    page = open_workspace(hash_, slug, script)
     page.locator(".ws-status", has_text=said).wait_for(timeout=SLOW)
     type_in(page, "# mine")
     assert typed(page).strip() == "# mine"

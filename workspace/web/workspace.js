@@ -28,11 +28,14 @@ function el(tag, properties = {}, ...children) {
   return element;
 }
 
-/** Say in a sentence why this page can't run Python; '' if it can. */
-function whyNot() {
+/** Say in a sentence why this page can't run an exercise; '' if it can. */
+function whyNot({ threads }) {
   if (!globalThis.WebAssembly) return 'The workspace needs WebAssembly, which is switched off in this browser.';
   if (!globalThis.Worker || !globalThis.DecompressionStream) {
     return 'The workspace needs a newer browser: Chrome or Edge 80, Firefox 113, Safari 16.4, or later.';
+  }
+  if (threads && !('Suspending' in WebAssembly)) {
+    return 'This exercise needs threads, which only some browsers have in a page: take Chrome or Edge 137 or later, or install the course.';
   }
   return '';
 }
@@ -300,7 +303,7 @@ class Workspace {
       el('div', { class: 'ws-panes' }, this.code, this.replay, checks));
     document.body.append(this.dialog);
     this.listVersions();
-    this.driveButton.disabled = this.checkButton.disabled = Boolean(whyNot());
+    this.driveButton.disabled = this.checkButton.disabled = Boolean(whyNot(this.plan));
     addEventListener('beforeunload', (event) => { if (!this.shelf.works && this.changed) event.preventDefault(); });
   }
 
@@ -311,7 +314,7 @@ class Workspace {
     if (!this.editor) await this.makeEditor();
     const said = code === null ? [] : [await this.take(code)];
     if (!this.shelf.works) said.push(NOTHING_KEPT);
-    if (whyNot()) this.say([whyNot(), ...said].join(' '));
+    if (whyNot(this.plan)) this.say([whyNot(this.plan), ...said].join(' '));
     else {
       this.work(() => this.machine.ready(), ['Ready.', ...said].join(' '));
       this.machine.first.warm.then(keepForLater).catch(() => {}); // not by http, not in a private window
@@ -394,7 +397,7 @@ class Workspace {
     }
     this.busy = false;
     this.dialog.setAttribute('aria-busy', 'false');
-    this.driveButton.disabled = this.checkButton.disabled = Boolean(whyNot());
+    this.driveButton.disabled = this.checkButton.disabled = Boolean(whyNot(this.plan));
     this.stopButton.hidden = this.question.hidden = true;
   }
 
