@@ -168,6 +168,23 @@ def test_the_first_failure_is_shown_where_it_happens(open_workspace: Any) -> Non
     page.locator(".ws-hints details p").first.wait_for()
 
 
+def test_changes_are_those_since_the_last_version_that_passed(open_workspace: Any) -> None:
+    page = open_workspace()
+    changes = page.get_by_role("button", name="Changes")
+    assert changes.is_disabled()
+    text = (find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py").read_text()
+    assert check(page, text) == "100 of 100 points."
+    changes.click()
+    assert "This is what passed" in page.locator(".ws-score").inner_text()
+    check(page, text.replace("twist.linear.x = speed", "twist.linear.x = speed + 0.3") + "# more")
+    changes.click()
+    changed = page.locator(".ws-changes [data-sign]:not([data-sign=' '])").all_inner_texts()
+    assert [line.split(maxsplit=1) for line in changed] == [
+        ["-", "twist.linear.x = speed\n"], ["+", "twist.linear.x = speed + 0.3\n"],
+        ["-"], ["+", "# more\n"],
+    ]  # fmt: skip
+
+
 def test_what_was_typed_survives_a_stop_and_a_reload(open_workspace: Any) -> None:
     page = open_workspace()
     settle(page)

@@ -6,6 +6,7 @@ const FOLDER = '/home/reader'; // where the worker puts the node
 const PATIENCE = 10; // [s] without a word of the worker, after which the reader is asked
 const JUDGE_EVERY = 2; // [s] while a check drives on: each time costs about half a second
 const KEPT = 20; // versions
+const AROUND = 2; // lines around a change
 const CACHE = 'course-workspace'; // also in worker.js
 const LONGEST = 8000; // [characters] of a link: longer ones are cut where they are passed on
 const NOTHING_KEPT = 'This browser keeps nothing for this site: download your file before you leave the page.';
@@ -81,11 +82,15 @@ class Shelf {
 
   get versions() { return Array.isArray(this.kept.versions) ? this.kept.versions : []; }
 
-  add(text, points) {
-    const others = this.versions.filter((version) => version.text !== text);
-    this.kept.versions = [{ text, points, at: new Date().toISOString() }, ...others].slice(0, KEPT);
+  add(text, points, green = false) {
+    const version = { text, points, at: new Date().toISOString() };
+    const others = this.versions.filter((other) => other.text !== text);
+    this.kept.versions = [version, ...others].slice(0, KEPT);
+    if (green) this.kept.green = version; // the last one that passed all checks
     this.save();
   }
+
+  get green() { return typeof this.kept.green?.text === 'string' ? this.kept.green : null; }
 
   save() {
     if (!this.works) return;
@@ -95,6 +100,35 @@ class Shelf {
       this.works = false; // full, or switched off meanwhile
     }
   }
+}
+
+// --- what has changed -------------------------------------------------------------------------------
+
+/** Return the lines of two texts as [sign, line]: '-' only in the first, '+' only in the second, ' ' in both. */
+function compared(before, after) {
+  const [a, b] = [before.split('\n'), after.split('\n')];
+  const common = Array.from({ length: a.length + 1 }, () => new Uint16Array(b.length + 1)); // lines, from there to the ends
+  for (let i = a.length - 1; i >= 0; i -= 1) {
+    for (let j = b.length - 1; j >= 0; j -= 1) {
+      common[i][j] = a[i] === b[j] ? common[i + 1][j + 1] + 1 : Math.max(common[i + 1][j], common[i][j + 1]);
+    }
+  }
+  const lines = [];
+  for (let [i, j] = [0, 0]; i < a.length || j < b.length;) {
+    if (i < a.length && a[i] === b[j]) [lines[lines.length], i, j] = [[' ', a[i]], i + 1, j + 1];
+    else if (j === b.length || (i < a.length && common[i + 1][j] >= common[i][j + 1])) [lines[lines.length], i] = [['-', a[i]], i + 1];
+    else [lines[lines.length], j] = [['+', b[j]], j + 1];
+  }
+  return lines;
+}
+
+/** Show what has changed, with a few lines around it. */
+function showChanges(before, after) {
+  const lines = compared(before, after);
+  const near = (i) => lines.slice(Math.max(0, i - AROUND), i + AROUND + 1).some(([sign]) => sign !== ' ');
+  const shown = lines.map(([sign, line], i) => (near(i) ? el('span', { 'data-sign': sign }, `${sign} ${line}\n`) : null));
+  return el('pre', { class: 'ws-changes', tabindex: 0, 'aria-label': 'Changes' },
+    shown.filter((line, i) => line || shown[i - 1]).map((line) => line || el('span', {}, '⋯\n')));
 }
 
 // --- Python -----------------------------------------------------------------------------------------
@@ -273,6 +307,7 @@ class Workspace {
     this.checkButton = button('Check', () => this.check(), { title: 'Ctrl-Shift-Enter', class: 'ws-main' });
     this.stopButton = button('Stop', () => this.machine.stop(), { hidden: true });
     this.versions = el('select', { 'aria-label': 'Earlier versions', onchange: () => this.restore() });
+    this.changesButton = button('Changes', () => this.changes(), { title: 'Since the last version that passed all checks' });
     this.code = el('div', { class: 'ws-code', 'data-pane': 'code', onkeydown: (event) => this.leave(event) });
     this.replay = el('div', { class: 'ws-replay', 'data-pane': 'replay' },
       el('p', { class: 'ws-empty' }, 'Drive the node, or check it: its run is shown here.'));
@@ -293,7 +328,7 @@ class Workspace {
           el('label', { for: 'ws-seed', class: 'ws-seed' }, 'seed', this.seed),
           this.checkButton, this.stopButton),
         el('div', { class: 'ws-tools ws-file' },
-          this.versions,
+          this.versions, this.changesButton,
           button('Reset', () => this.reset(), { title: 'Begin with the skeleton again' }),
           button('Link', () => this.share(), { title: 'A link that carries your code' }),
           button('Download', () => this.download(), { title: this.file })),
@@ -435,7 +470,7 @@ class Workspace {
       this.say('Judging …');
       const grading = await this.judge(await this.machine.ready());
       this.fill(grading, this.plan.checks.map(({ id }) => id));
-      this.shelf.add(text, `${grading.score} of ${grading.max_score}`);
+      this.shelf.add(text, `${grading.score} of ${grading.max_score}`, grading.checks.every(({ outcome }) => outcome === 'pass'));
       this.listVersions();
       await this.tell(grading);
       return `${grading.score} of ${grading.max_score} points.`;
@@ -585,6 +620,18 @@ class Workspace {
     this.versions.replaceChildren(el('option', { value: '' }, 'Versions'),
       ...versions.map(({ at, points }, i) => el('option', { value: i }, `${new Date(at).toLocaleString()}: ${points}`)));
     this.versions.disabled = !versions.length;
+    this.changesButton.disabled = !this.shelf.green;
+  }
+
+  /** Show above the checks what is different from the last version that passed them all. */
+  changes() {
+    const { text, at } = this.shelf.green;
+    const since = `what passed all checks on ${new Date(at).toLocaleString()}`;
+    const same = text === this.editor.text;
+    this.score.replaceChildren(el('p', {}, same ? `This is ${since}.` : `Changed since ${since}:`),
+      same ? '' : showChanges(text, this.editor.text));
+    this.show('checks');
+    this.score.scrollIntoView();
   }
 
   restore() {
