@@ -326,14 +326,14 @@ class Workspace {
           this.driveButton,
           el('label', { for: 'ws-scenario' }, 'in'), this.scenario,
           el('label', { for: 'ws-seed', class: 'ws-seed' }, 'seed', this.seed),
-          this.checkButton, this.stopButton),
+          this.checkButton),
         el('div', { class: 'ws-tools ws-file' },
           this.versions, this.changesButton,
           button('Reset', () => this.reset(), { title: 'Begin with the skeleton again' }),
           button('Link', () => this.share(), { title: 'A link that carries your code' }),
           button('Download', () => this.download(), { title: this.file })),
         button('Close', () => this.dialog.close(), { class: 'ws-close' })),
-      el('div', { class: 'ws-news' }, this.status, this.question),
+      el('div', { class: 'ws-news' }, this.status, this.stopButton, this.question),
       el('nav', { class: 'ws-tabs', 'aria-label': 'Show' }, this.tabs),
       el('div', { class: 'ws-panes' }, this.code, this.replay, checks));
     document.body.append(this.dialog);
@@ -462,8 +462,10 @@ class Workspace {
   }
 
   check() {
+    if (this.busy) return null;
     this.editor.mark(0);
     Object.values(this.rows).forEach(({ fill }) => fill(null));
+    this.score.replaceChildren();
     return this.work(async () => {
       const text = this.editor.text;
       await this.driveAll();
