@@ -41,7 +41,10 @@ SLUGS = "|".join(EXERCISES)
 MADE_IN = "/course"  # where the worker unpacks (web/worker.js)
 INFLATED = ("pyodide.asm.js", "pyodide.asm.wasm")  # by the worker: plain servers compress nothing
 LIBRARY = "python_stdlib.zip"  # as well: its files are small, and make a smaller archive together
-WEB = ("offline.js", "start.js", "worker.js", "workspace.js", "workspace.css")
+WEB = (
+    "element.js", "machine.js", "offline.js", "shelf.js", "start.js", "worker.js", "workspace.js",
+    "workspace.css",
+)  # fmt: skip
 # The rooms of the course that a page needs
 COURSE = re.compile(
     rf"sim/(?!live/)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"

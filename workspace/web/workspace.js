@@ -1,12 +1,13 @@
 // The workspace of an exercise's page: an editor, the robot, and the grader's checks, all of them in
 // this browser. Python runs in worker.js; this file never waits for it.
 
+import { el } from './element.js';
+import { Machine, PATIENCE, Stopped } from './machine.js';
+import { Shelf, showChanges } from './shelf.js';
+
 const HERE = new URL('.', import.meta.url);
 const FOLDER = '/home/reader'; // where the worker puts the node
-const PATIENCE = 10; // [s] without a word of the worker, after which the reader is asked
 const JUDGE_EVERY = 2; // [s] while a check drives on: each time costs about half a second
-const KEPT = 20; // versions
-const AROUND = 2; // lines around a change
 const CACHE = 'course-workspace'; // also in worker.js
 const LONGEST = 8000; // [characters] of a link: longer ones are cut where they are passed on
 const NOTHING_KEPT = 'This browser keeps nothing for this site: download your file before you leave the page.';
@@ -16,18 +17,6 @@ const OUTCOMES = {
   pass: '✓ passed', fail: '✗ failed', skip: '– not judged', error: '! the grader failed', inconclusive: '? undecided',
   unavailable: '– not available',
 };
-
-/** Return an element: `on…` are listeners, other properties attributes; null children are left out. */
-function el(tag, properties = {}, ...children) {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(properties)) {
-    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
-    else if (value === true) element.setAttribute(name, '');
-    else if (value !== false && value !== null && value !== undefined) element.setAttribute(name, value);
-  }
-  element.append(...children.flat().filter((child) => child !== null && child !== undefined && child !== ''));
-  return element;
-}
 
 /** Say in a sentence why this page can't run an exercise; '' if it can. */
 function whyNot({ threads }) {
@@ -55,196 +44,6 @@ async function packed(text) {
 async function unpacked(code) {
   const bytes = Uint8Array.from(atob(code.replaceAll('-', '+').replaceAll('_', '/')), (c) => c.charCodeAt(0));
   return new TextDecoder('utf-8', { fatal: true }).decode(await through(bytes, new DecompressionStream('deflate')));
-}
-
-// --- what was typed ---------------------------------------------------------------------------------
-
-/** The reader's text and versions of it, kept by the browser; `works` is false where it keeps nothing. */
-class Shelf {
-  constructor(slug) {
-    this.key = `course-workspace:${slug}`;
-    this.works = true;
-    try {
-      this.kept = JSON.parse(localStorage.getItem(this.key)) || {};
-      this.save();
-    } catch {
-      this.works = false;
-      this.kept = {};
-    }
-  }
-
-  get text() { return typeof this.kept.text === 'string' ? this.kept.text : null; }
-
-  set text(text) {
-    this.kept.text = text;
-    this.save();
-  }
-
-  get versions() { return Array.isArray(this.kept.versions) ? this.kept.versions : []; }
-
-  add(text, points, green = false) {
-    const version = { text, points, at: new Date().toISOString() };
-    const others = this.versions.filter((other) => other.text !== text);
-    this.kept.versions = [version, ...others].slice(0, KEPT);
-    if (green) this.kept.green = version; // the last one that passed all checks
-    this.save();
-  }
-
-  get green() { return typeof this.kept.green?.text === 'string' ? this.kept.green : null; }
-
-  save() {
-    if (!this.works) return;
-    try {
-      localStorage.setItem(this.key, JSON.stringify(this.kept));
-    } catch {
-      this.works = false; // full, or switched off meanwhile
-    }
-  }
-}
-
-// --- what has changed -------------------------------------------------------------------------------
-
-/** Return the lines of two texts as [sign, line]: '-' only in the first, '+' only in the second, ' ' in both. */
-function compared(before, after) {
-  const [a, b] = [before.split('\n'), after.split('\n')];
-  const common = Array.from({ length: a.length + 1 }, () => new Uint16Array(b.length + 1)); // lines, from there to the ends
-  for (let i = a.length - 1; i >= 0; i -= 1) {
-    for (let j = b.length - 1; j >= 0; j -= 1) {
-      common[i][j] = a[i] === b[j] ? common[i + 1][j + 1] + 1 : Math.max(common[i + 1][j], common[i][j + 1]);
-    }
-  }
-  const lines = [];
-  for (let [i, j] = [0, 0]; i < a.length || j < b.length;) {
-    if (i < a.length && a[i] === b[j]) [lines[lines.length], i, j] = [[' ', a[i]], i + 1, j + 1];
-    else if (j === b.length || (i < a.length && common[i + 1][j] >= common[i][j + 1])) [lines[lines.length], i] = [['-', a[i]], i + 1];
-    else [lines[lines.length], j] = [['+', b[j]], j + 1];
-  }
-  return lines;
-}
-
-/** Show what has changed, with a few lines around it. */
-function showChanges(before, after) {
-  const lines = compared(before, after);
-  const near = (i) => lines.slice(Math.max(0, i - AROUND), i + AROUND + 1).some(([sign]) => sign !== ' ');
-  const shown = lines.map(([sign, line], i) => (near(i) ? el('span', { 'data-sign': sign }, `${sign} ${line}\n`) : null));
-  return el('pre', { class: 'ws-changes', tabindex: 0, 'aria-label': 'Changes' },
-    shown.filter((line, i) => line || shown[i - 1]).map((line) => line || el('span', {}, '⋯\n')));
-}
-
-// --- Python -----------------------------------------------------------------------------------------
-
-class Stopped extends Error {}
-
-/** A worker with a Python of its own: one call at a time. `onnews` hears what it says, `onsilence` that it says nothing. */
-class Hand {
-  constructor({ onnews, onsilence }) {
-    this.onnews = onnews;
-    this.onsilence = onsilence;
-    this.worker = null;
-    this.isWarm = false;
-    this.doing = '';
-  }
-
-  /** Start a worker unless one is there, and wait until it is warm. */
-  ready() {
-    if (!this.worker) {
-      this.warm = this.start();
-      this.warm.then(() => { this.isWarm = true; }, () => this.end());
-    }
-    return this.warm;
-  }
-
-  start() {
-    this.worker = new Worker(new URL(`worker.js?${manifest['worker.js'].sha256}`, HERE));
-    this.worker.onmessage = ({ data }) => this.hear(data);
-    this.worker.onerror = (event) => this.hear({ kind: 'error', text: event.message || 'the worker did not start' });
-    return this.send({ call: 'load', manifest });
-  }
-
-  /** Call a method of workspace.runtime.Runtime in a fresh copy of the warm process; return what it says, and recordings. */
-  async call(call, order, { files = {}, recordings = {} }) {
-    await this.ready();
-    [this.reached, this.where] = [0, order.scenario || 'the judgement'];
-    this.watch();
-    try {
-      const { said, recordings: made } = await this.send({ call, order, files, recordings });
-      return [call === 'replay' ? said : JSON.parse(said), made];
-    } finally {
-      clearTimeout(this.dog);
-    }
-  }
-
-  send(message) {
-    return new Promise((resolve, reject) => {
-      this.waiting = { resolve, reject };
-      this.worker.postMessage(message);
-    });
-  }
-
-  hear(data) {
-    if (data.kind === 'answer') {
-      this.waiting.resolve(data);
-      this.waiting = null;
-    } else if (data.kind === 'error') this.end(new Error(data.text));
-    else {
-      if (data.kind === 'reached') {
-        this.reached = data.seconds;
-        this.watch();
-      }
-      this.onnews(this, data);
-    }
-  }
-
-  watch() {
-    clearTimeout(this.dog);
-    this.dog = setTimeout(() => this.onsilence(this), PATIENCE * 1000);
-  }
-
-  end(why) {
-    clearTimeout(this.dog);
-    this.worker?.terminate();
-    this.worker = null;
-    this.isWarm = false;
-    this.waiting?.reject(why);
-    this.waiting = null;
-  }
-}
-
-/** All workers: the one that is waited for, and a spare, where there is a processor and memory for it. */
-class Machine {
-  constructor(listeners) {
-    const memory = navigator.deviceMemory ?? (matchMedia('(pointer: fine)').matches ? 8 : 2); // [GB]
-    const most = navigator.hardwareConcurrency > 1 && memory >= 4 ? 2 : 1;
-    this.hands = Array.from({ length: most }, () => new Hand(listeners));
-  }
-
-  /** Return a warm hand; the others get ready meanwhile. */
-  async ready() {
-    this.first = this.hands.find((hand) => hand.isWarm) || this.hands.find((hand) => hand.worker) || this.hands[0];
-    await this.first.ready();
-    for (const hand of this.hands) hand.ready().catch(() => {}); // no memory for it: one will do
-    return this.first;
-  }
-
-  async call(...call) { return (await this.ready()).call(...call); }
-
-  /** Let every warm hand, and each that gets warm meanwhile, do something again and again while it returns true. */
-  async together(act) {
-    await this.ready();
-    let finish;
-    const over = new Promise((resolve) => { finish = resolve; });
-    await Promise.all(this.hands.map(async (hand) => {
-      await Promise.race([hand.warm.catch(() => over), over]);
-      while (hand.isWarm && await act(hand)); // eslint-disable-line no-await-in-loop
-      finish();
-    }));
-  }
-
-  /** Stop whatever runs; a spare stays. */
-  stop() {
-    const hands = this.hands.filter((hand) => hand.waiting && (hand.isWarm || hand === this.first));
-    for (const hand of hands) hand.end(new Stopped());
-  }
 }
 
 // --- without a network ------------------------------------------------------------------------------
@@ -287,7 +86,7 @@ class Workspace {
     [this.file] = plan.files;
     this.skeleton = plan.skeleton[this.file];
     this.shelf = new Shelf(plan.slug);
-    this.machine = new Machine({ onnews: (hand, news) => this.hear(hand, news), onsilence: (hand) => this.ask(hand) });
+    this.machine = new Machine(manifest, { onnews: (hand, news) => this.hear(hand, news), onsilence: (hand) => this.ask(hand) });
     this.recordings = {}; // of the last check, by their files
     this.busy = false;
     this.rows = {};
@@ -426,7 +225,7 @@ class Workspace {
       this.machine.stop(); // what others are at is of no use any more
       const text = String(error.message || error);
       if (error instanceof Stopped) this.say('Stopped.');
-      else if (/memory|allocation/i.test(text)) this.say(NO_MEMORY);
+      else if (/out of memory|allocat|MemoryError/i.test(text)) this.say(NO_MEMORY);
       else this.say(`This went wrong in the page, not in your node: ${text.trim().split('\n').at(-1)}`);
       if (!(error instanceof Stopped)) this.hear(null, { kind: 'out', text });
     }
