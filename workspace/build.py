@@ -32,7 +32,7 @@ from grader.course.exercises import ROOT, find_exercise
 from grader.errors import GraderError, InputError
 from rclpy_portable import unpacking
 from sim.scenario_files import load_scenario, scenario_names
-from workspace.plan import plan
+from workspace.plan import plan, words
 
 HERE = Path(__file__).resolve().parent
 PINS = tomllib.loads((HERE / "packages.toml").read_text("utf-8"))
@@ -170,11 +170,13 @@ def _plans() -> dict[str, Any]:
         each.slug: {name: (each.folder / name).read_text("utf-8") for name in each.files}
         for each in exercises
     }
+    node = (unpacking.folder(print) / "rclpy" / "node.py").read_text("utf-8")
     plans = {
         each.slug: {
             **plan(each),
             "skeleton": skeleton[each.slug],
             "threads": each.slug in PINS["threaded"],
+            "words": words(each, node),
         }
         for each in exercises
     }

@@ -245,6 +245,16 @@ def test_axe_has_nothing_against_a_failing_workspace(
     assert axe(page) == []
 
 
+def test_the_editor_knows_messages_and_nodes(open_workspace: Any) -> None:
+    page = open_workspace()
+    type_in(page, "scan.")
+    page.keyboard.type("range_m")
+    page.locator(".cm-completionLabel", has_text="range_max").click()
+    page.keyboard.type("\nself.create_subs")
+    page.locator(".cm-completionLabel", has_text="create_subscription").click()
+    assert typed(page).split() == ["scan.range_max", "self.create_subscription"]
+
+
 def test_the_keyboard_gets_into_the_editor_and_out_again(open_workspace: Any) -> None:
     page = open_workspace()
     page.locator(".cm-content").focus()

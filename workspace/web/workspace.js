@@ -172,7 +172,7 @@ class Workspace {
     const keys = { 'Ctrl-Enter': () => this.drive(), 'Ctrl-Shift-Enter': () => this.check() };
     try {
       const { makeEditor } = await import(new URL('editor.js', HERE));
-      this.editor = makeEditor({ parent: this.code, text, label, onChange, keys });
+      this.editor = makeEditor({ parent: this.code, text, label, onChange, keys, words: this.plan.words });
     } catch {
       this.editor = plainEditor(this.code, text, label, onChange);
     }
