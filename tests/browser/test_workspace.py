@@ -39,6 +39,13 @@ NO_STORAGE = "Object.defineProperty(window, 'localStorage', { get() { throw new 
 SAID = """(all) => all.map((row) => [row.dataset.check,
   [row.dataset.outcome, row.querySelector('.ws-detail p')?.textContent || '']])"""
 MEASURED = ("callback_time",)  # by the wall clock: a busy machine shows in it
+WRECKS = """
+import sys, threading
+import rclpy.node, geometry_msgs.msg
+threading.Thread(target=threading.Event().wait, daemon=True).start()
+rclpy.node.Node.create_publisher = rclpy.spin_once = geometry_msgs.msg.Twist = None
+sys.modules["rclpy"] = sys.modules["sensor_msgs.msg"] = None
+"""
 DRIVE_ON = "import time\n\nwhile True:\n    pass\n"
 
 pytestmark = pytest.mark.skipif(
@@ -168,7 +175,9 @@ def test_the_first_failure_is_shown_where_it_happens(open_workspace: Any) -> Non
     page.locator(".ws-hints details p").first.wait_for()
 
 
-def test_changes_are_those_since_the_last_version_that_passed(open_workspace: Any) -> None:
+def test_changes_are_those_since_the_last_version_that_passed(
+    open_workspace: Any, axe: Callable[[Any], list[str]]
+) -> None:
     page = open_workspace()
     changes = page.get_by_role("button", name="Changes")
     assert changes.is_disabled()
@@ -183,6 +192,14 @@ def test_changes_are_those_since_the_last_version_that_passed(open_workspace: An
         ["-", "twist.linear.x = speed\n"], ["+", "twist.linear.x = speed + 0.3\n"],
         ["-"], ["+", "# more\n"],
     ]  # fmt: skip
+    assert axe(page) == []
+
+
+def test_a_node_that_wrecks_python_leaves_nothing_for_the_next(open_workspace: Any) -> None:
+    page = open_workspace()
+    assert check(page, WRECKS).startswith("0 of 100")
+    reference = find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py"
+    assert check(page, reference.read_text()) == "100 of 100 points."
 
 
 def test_what_was_typed_survives_a_stop_and_a_reload(open_workspace: Any) -> None:
