@@ -28,7 +28,7 @@ export function makeEditor({ parent, text, label, onChange, keys, words }) {
       lintGutter(),
       indentUnit.of('    '),
       syntaxHighlighting(classHighlighter),
-      EditorView.contentAttributes.of({ 'aria-label': label }),
+      EditorView.contentAttributes.of({ 'aria-label': label, tabindex: '0' }),
       EditorView.updateListener.of((update) => { if (update.docChanged) onChange(); }),
     ],
   });
