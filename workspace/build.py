@@ -32,7 +32,7 @@ from grader.course.exercises import ROOT, find_exercise
 from grader.errors import GraderError, InputError
 from rclpy_portable import unpacking
 from sim.scenario_files import load_scenario, scenario_names
-from workspace.plan import plan
+from workspace.plan import plan, words
 
 HERE = Path(__file__).resolve().parent
 PINS = tomllib.loads((HERE / "packages.toml").read_text("utf-8"))
@@ -41,19 +41,23 @@ SLUGS = "|".join(EXERCISES)
 MADE_IN = "/course"  # where the worker unpacks (web/worker.js)
 INFLATED = ("pyodide.asm.js", "pyodide.asm.wasm")  # by the worker: plain servers compress nothing
 LIBRARY = "python_stdlib.zip"  # as well: its files are small, and make a smaller archive together
-WEB = ("start.js", "worker.js", "workspace.js", "workspace.css")
+WEB = (
+    "element.js", "machine.js", "offline.js", "shelf.js", "start.js", "worker.js", "workspace.js",
+    "workspace.css",
+)  # fmt: skip
 # The rooms of the course that a page needs
 COURSE = re.compile(
     rf"sim/(?!live/)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
-    rf"|workspace/(runtime|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
-    r"|grader/(?!exercises|authoring|classroom|cli|drive|lms|nbgrader|notebook|testing|models/expert"
+    rf"|workspace/(runtime|stacks|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
+    r"|grader/(?!exercises|authoring|classroom|cli|drive|lms|nbgrader|notebook|testing"
+    r"|models/expert|report/terminal|trial/real_time"
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
 FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")
 # What is run from its source, or quoted in a node's traceback
 SOURCES = r"^rclpy_portable/_ros/rclpy/|^grader/exercises/|^grader/host/supplied/"
 PACKAGES = (  # of .venv; without compiled parts
-    "_pytest", "iniconfig", "packaging", "pluggy", "py.py", "pygments", "pytest", "rosbags", "yaml",
+    "_pytest", "iniconfig", "pluggy", "py.py", "pygments", "pytest", "rosbags", "yaml",
 )  # fmt: skip
 NOT_OF_PACKAGES = re.compile(
     r"pygments/(lexers/(?!__init__|_mapping|python|diff)|styles/(?!__init__|_mapping|default)"
@@ -61,8 +65,8 @@ NOT_OF_PACKAGES = re.compile(
     r"|rosbags/typesys/stores/(latest|ros1|ros2_(kilted|lyrical))"
 )
 NOT_OF_NUMPY = re.compile(
-    r"/tests/|\.pyi$|/include/|/f2py/|/_pyinstaller/|/testing/|/distutils/|\.a$|/doc/|\.js$"
-    r"|\.dist-info/(?!METADATA)|_umath_tests|_rational_tests|_struct_ufunc|_operand_flag"
+    r"/tests/|\.pyi$|\.pxd$|timer_comparison|/include/|/f2py/|/_pyinstaller/|/testing/|/distutils/"
+    r"|\.a$|/doc/|\.js$|\.dist-info/(?!METADATA)|_umath_tests|_rational_tests|_struct_ufunc|_operand_flag"
 )
 NOT_OF_PYTHON = re.compile(
     r"^(ensurepip|idlelib|lib2to3|pydoc_data|sqlite3|test|tkinter|turtle|xmlrpc|mailbox|wsgiref|curses"
@@ -167,7 +171,16 @@ def _plans() -> dict[str, Any]:
         each.slug: {name: (each.folder / name).read_text("utf-8") for name in each.files}
         for each in exercises
     }
-    plans = {each.slug: {**plan(each), "skeleton": skeleton[each.slug]} for each in exercises}
+    node = (unpacking.folder(print) / "rclpy" / "node.py").read_text("utf-8")
+    plans = {
+        each.slug: {
+            **plan(each),
+            "skeleton": skeleton[each.slug],
+            "threads": each.slug in PINS["threaded"],
+            "words": words(each, node),
+        }
+        for each in exercises
+    }
     return {"exercises": plans, "demos": demos}
 
 

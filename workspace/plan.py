@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import os
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -11,6 +13,7 @@ from grader.course.exercises import Exercise
 from grader.errors import GraderError
 from grader.grading.grading import grade
 from grader.trial.trials import SavedTrials
+from sim.messages import typestore
 from sim.scenario_files import load_scenario
 
 
@@ -72,3 +75,35 @@ def plan(exercise: Exercise) -> dict[str, Any]:
         "checks": checks,
         "scenarios": {name: load_scenario(name).title for name in names},
     }
+
+
+def words(exercise: Exercise, node: str) -> dict[str, str]:
+    """Return what may follow a dot, each with what has it: methods and the messages' fields.
+
+    `node` is the source of rclpy's module of that name.
+    """
+    classes = [part for part in ast.parse(node).body if isinstance(part, ast.ClassDef)]
+    functions = next(part for part in classes if part.name == "Node").body
+    names = [part.name for part in functions if isinstance(part, ast.FunctionDef)]
+    found = {name: "Node" for name in names if not name.startswith("_")}
+    for topic in exercise.topics:
+        for name, owner in _fields(topic.type):
+            found.setdefault(name, owner)
+    return found
+
+
+def _fields(type_: str) -> Iterator[tuple[str, str]]:
+    """Yield the fields of a message, and those of the messages in it, each with its message."""
+    for name, description in typestore().fielddefs[type_][1]:
+        yield name, type_.rpartition("/")[2]
+        for inner in _messages(description):
+            yield from _fields(inner)
+
+
+def _messages(description: Any) -> Iterator[str]:
+    """Yield the type of message in a field's description: (kind, content), perhaps of its items."""
+    if isinstance(description, str) and description in typestore().fielddefs:
+        yield description
+    elif isinstance(description, tuple):
+        for part in description:
+            yield from _messages(part)

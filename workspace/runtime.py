@@ -13,9 +13,12 @@ import pickle
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
+
+from workspace.stacks import Browser, Gate, Stacks
 
 if TYPE_CHECKING:
     from grader.grading.grading import Grading
@@ -32,12 +35,15 @@ class Runtime:
     """One warm process.
 
     `recordings` is a folder that outlives its copies; `reached` is told the time [s] in a trial,
-    twice in a second or less often.
+    twice in a second or less often. Without a `browser` nodes can start no threads.
     """
 
-    def __init__(self, recordings: Path, reached: Callable[[float], object]) -> None:
+    def __init__(
+        self, recordings: Path, reached: Callable[[float], object], browser: Browser | None
+    ) -> None:
         self._recordings = recordings
         self._reached = reached
+        self._stacks = Stacks(browser) if browser else None
         self._launcher: InProcess
         self._file = ""  # the node's name
         self._lines: list[tuple[float, int]] = []  # [s] of a message, and its line
@@ -47,6 +53,11 @@ class Runtime:
         from grader.host import imports
 
         imports.host.watch()
+        if self._stacks:
+            self._stacks.install()
+            from grader.host.virtual import kernel
+
+            kernel.real_allocate_lock = partial(Gate, self._stacks)  # type: ignore[assignment]
         import _time_machine
 
         import rclpy_portable
@@ -69,7 +80,7 @@ class Runtime:
         for name in MESSAGES:
             __import__(name)
         typestore()
-        self._launcher = InProcess(EPOCH_NS, self._reached)
+        self._launcher = InProcess(EPOCH_NS, self._reached, self._stacks)
         self._note_lines()
 
     def _note_lines(self) -> None:
@@ -84,6 +95,11 @@ class Runtime:
             send(publisher, data)
 
         Publisher.publish_raw = noted  # type: ignore[method-assign]
+
+    def thread(self, number: int) -> None:
+        """Do what a new stack is for (see `Browser.begin`)."""
+        assert self._stacks
+        self._stacks.run_body(number)
 
     def trial(self, order: str) -> str:
         """Run a trial and keep its recording under the name of its scenario; say how it ended.
@@ -177,9 +193,13 @@ def _callback_line(frame: FrameType | None, file: str) -> int:
     return line
 
 
-def warm(recordings: str, reached: Callable[[float], object] = lambda _: None) -> Runtime:
+def warm(
+    recordings: str,
+    reached: Callable[[float], object] = lambda _: None,
+    browser: Browser | None = None,
+) -> Runtime:
     """Return a runtime that has begun."""
     sys.path.append(str(Path(__file__).parent / "stand_ins" / "gaps"))
-    runtime = Runtime(Path(recordings), reached)
+    runtime = Runtime(Path(recordings), reached, browser)
     runtime.begin()
     return runtime

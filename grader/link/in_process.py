@@ -18,7 +18,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Generic, NoReturn, cast
+from typing import Generic, NoReturn, Protocol, cast
 
 from grader.errors import GraderError
 from grader.host import forkserver, imports, practice
@@ -52,19 +52,47 @@ class _Over(BaseException):
     """The trial is over: what is left of the student's program is unwound."""
 
 
+class Stacks(Protocol):
+    """Where the programs of a trial run, and how they end."""
+
+    def run(self, body: Callable[[], object]) -> None:
+        """Run them until the trial is over."""
+
+    def leave(self) -> NoReturn:
+        """End it, from within."""
+
+
+class _OneStack:
+    """The judge's own stack: programs without threads."""
+
+    def run(self, body: Callable[[], object]) -> None:
+        with contextlib.suppress(_Over):
+            body()
+
+    def leave(self) -> NoReturn:
+        raise _Over
+
+
 class InProcess:
     """The launcher of one host in this process.
 
     `rclpy_portable` is activated, and keeps the machine's clock for its stamps (see
     `PORTABLE_PRELUDE`). Making it puts virtual time under Python, for good: make it once,
     before the process is copied. `reached` is told from time to time how far a trial has come [s].
+    `stacks` are for programs with threads.
     """
 
     isolation = ISOLATION
     practice = PRACTICE
 
-    def __init__(self, epoch: int, reached: Callable[[float], object] = lambda _: None) -> None:
+    def __init__(
+        self,
+        epoch: int,
+        reached: Callable[[float], object] = lambda _: None,
+        stacks: Stacks | None = None,
+    ) -> None:
         self.reached = reached
+        self.stacks = stacks or _OneStack()
         os.environ.update({**SAME_RUNS, **NO_GPU})  # rclpy reads some of it once
         self._epoch = epoch
         self._kernel = forkserver.prepare_nodes(epoch)
@@ -106,8 +134,8 @@ class InProcess:
             assert isinstance(wire.question, Start)
             raise StartEarlier(wire.question.lead)
         self._used = True
-        with host.printing(), contextlib.suppress(_Over):
-            forkserver.run_trial(self._kernel, self._epoch, wire)
+        with host.printing():
+            self.stacks.run(lambda: forkserver.run_trial(self._kernel, self._epoch, wire))
         imports.host.leave()
         return wire.outcome()
 
@@ -158,7 +186,7 @@ class _Host:
 
     def _exit(self, status: int = 0) -> NoReturn:
         self._status = status
-        raise _Over
+        self.launcher.stacks.leave()
 
     def expect_silence(self) -> None:
         """Nothing can have come: it speaks when it is its turn."""
@@ -201,7 +229,7 @@ class _OwnWire(Wire, Generic[Result]):
     def receive(self) -> ToHost:
         """Return what the judge has said; who asks after the end is unwound."""
         if self._end is not None:
-            raise _Over
+            self._host.launcher.stacks.leave()
         until = self.question.until if isinstance(self.question, Run) else 0
         self._host.stdout.limit = self._host.stderr.limit = until
         self._asked_at = real_clock.perf_counter(), real_clock.process_time()
@@ -221,7 +249,7 @@ class _OwnWire(Wire, Generic[Result]):
             except (StopIteration, Exception) as end:
                 self._end = end
         if self._end is not None:
-            raise _Over
+            self._host.launcher.stacks.leave()
 
     def outcome(self) -> Result:
         """Return what the conversation returned; a program that said nothing at its end has died.

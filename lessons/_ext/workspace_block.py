@@ -66,6 +66,7 @@ def copy_files(app: Sphinx, error: Exception | None) -> None:
     if error is None and app.config.course_workspace_made:
         source = Path(app.config.course_workspace)
         target = Path(shutil.copytree(source, Path(app.outdir, STATIC), dirs_exist_ok=True))
+        shutil.copy(target / "offline.js", app.outdir)  # its reach is its folder
         plans = json.loads((target / "plan.json").read_text("utf-8"))
         known = _known(app)  # no skeleton of one that is left out
         plans["exercises"] = {k: v for k, v in plans["exercises"].items() if k in known}

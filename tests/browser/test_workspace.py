@@ -6,6 +6,7 @@ those of `course grade`. Without `make workspace` these tests are skipped.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import http.server
 import shutil
@@ -29,13 +30,22 @@ TYPED = {  # in each exercise, after the reference
     "obstacle_avoidance": ("narrow_cone", "one_close_beam_is_noise", "reliable_only"),
     "goal_seeking": ("yaw_in_degrees", "ignores_without_a_word", "no_wrap"),
     "trend_memory": ("whole_circle", "dies_of_equal_stamps", "time_of_arrival"),
+    "slow_model": ("one_group_for_all", "thread_for_each_scan", "overlapping_inferences"),
     "safety_supervisor": ("raises_on_nan", "no_obstacle", "silent_when_stale"),
+    "latency_monitor": ("all_calls_ever", "dies_without_a_model", "missed_ever"),
 }
 SLUG = "obstacle_avoidance"
 NO_STORAGE = "Object.defineProperty(window, 'localStorage', { get() { throw new Error('no') } })"
 SAID = """(all) => all.map((row) => [row.dataset.check,
   [row.dataset.outcome, row.querySelector('.ws-detail p')?.textContent || '']])"""
 MEASURED = ("callback_time",)  # by the wall clock: a busy machine shows in it
+WRECKS = """
+import sys, threading
+import rclpy.node, geometry_msgs.msg
+threading.Thread(target=threading.Event().wait, daemon=True).start()
+rclpy.node.Node.create_publisher = rclpy.spin_once = geometry_msgs.msg.Twist = None
+sys.modules["rclpy"] = sys.modules["sensor_msgs.msg"] = None
+"""
 DRIVE_ON = "import time\n\nwhile True:\n    pass\n"
 
 pytestmark = pytest.mark.skipif(
@@ -48,10 +58,9 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
         pass
 
 
-@pytest.fixture(scope="module")
-def address(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Where a plain server has the site, below a sub-path."""
-    root = tmp_path_factory.mktemp("served")
+@contextlib.contextmanager
+def served(site: Path, root: Path) -> Iterator[str]:
+    """Have the site on a plain server, below a sub-path."""
     (root / "below" / "it").mkdir(parents=True)
     (root / "below" / "it" / "course").symlink_to(site)
     handler = functools.partial(Quiet, directory=str(root))
@@ -59,6 +68,12 @@ def address(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[st
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}/below/it/course"
         server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def address(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    with served(site, tmp_path_factory.mktemp("served")) as address:
+        yield address
 
 
 @pytest.fixture(scope="module")
@@ -152,12 +167,39 @@ def test_the_first_failure_is_shown_where_it_happens(open_workspace: Any) -> Non
     check(page, text.replace("twist.linear.x = speed", "twist.linear.x = speed + 0.3"))
     button = page.locator("li[data-outcome=fail] button").first
     moment = button.inner_text().removeprefix("Show ").removesuffix(" s")
-    replay = page.frame_locator(".ws-replay iframe")
-    assert replay.locator(".clock").inner_text().startswith(moment)
+    replay = page.frame_locator(".ws-replay iframe")  # it leads up to the moment, and stops there
+    replay.locator(".clock", has_text=f"{moment} /").wait_for()
     marked = page.locator(".cm-lintRange-error").inner_text()
     assert marked.strip().startswith("self.drive(")
     page.locator("li[data-outcome=fail] button", has_text="A hint").first.click()
     page.locator(".ws-hints details p").first.wait_for()
+
+
+def test_changes_are_those_since_the_last_version_that_passed(
+    open_workspace: Any, axe: Callable[[Any], list[str]]
+) -> None:
+    page = open_workspace()
+    changes = page.get_by_role("button", name="Changes")
+    assert changes.is_disabled()
+    text = (find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py").read_text()
+    assert check(page, text) == "100 of 100 points."
+    changes.click()
+    assert "This is what passed" in page.locator(".ws-score").inner_text()
+    check(page, text.replace("twist.linear.x = speed", "twist.linear.x = speed + 0.3") + "# more")
+    changes.click()
+    changed = page.locator(".ws-changes [data-sign]:not([data-sign=' '])").all_inner_texts()
+    assert [line.split(maxsplit=1) for line in changed] == [
+        ["-", "twist.linear.x = speed\n"], ["+", "twist.linear.x = speed + 0.3\n"],
+        ["-"], ["+", "# more\n"],
+    ]  # fmt: skip
+    assert axe(page) == []
+
+
+def test_a_node_that_wrecks_python_leaves_nothing_for_the_next(open_workspace: Any) -> None:
+    page = open_workspace()
+    assert check(page, WRECKS).startswith("0 of 100")
+    reference = find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py"
+    assert check(page, reference.read_text()) == "100 of 100 points."
 
 
 def test_what_was_typed_survives_a_stop_and_a_reload(open_workspace: Any) -> None:
@@ -167,6 +209,10 @@ def test_what_was_typed_survives_a_stop_and_a_reload(open_workspace: Any) -> Non
     page.keyboard.press("Control+Enter")
     page.get_by_role("button", name="Stop it").click(timeout=SLOW)
     assert settle(page) == "Stopped."
+    type_in(page, "import rclpy\n")
+    page.keyboard.press("Control+Enter")  # of the spare, or of another start
+    assert "ended early" in settle(page)
+    type_in(page, DRIVE_ON)
     page.reload()
     page.locator(".cm-content").wait_for()
     assert "while True" in typed(page)
@@ -189,18 +235,19 @@ def test_a_link_carries_the_code_and_puts_aside_what_was_there(open_workspace: A
 
 
 @pytest.mark.parametrize(
-    ("hash_", "script", "said"),
+    ("slug", "hash_", "script", "said"),
     [
-        ("#code=eJwDAAAA", "", "cut on its way"),
-        ("#workspace", "delete globalThis.WebAssembly", "needs WebAssembly"),
-        ("#workspace", "delete globalThis.DecompressionStream", "needs a newer browser"),
-        ("#workspace", NO_STORAGE, "keeps nothing"),
+        (SLUG, "#code=eJwDAAAA", "", "cut on its way"),
+        (SLUG, "#workspace", "delete globalThis.WebAssembly", "needs WebAssembly"),
+        (SLUG, "#workspace", "delete globalThis.DecompressionStream", "needs a newer browser"),
+        (SLUG, "#workspace", NO_STORAGE, "keeps nothing"),
+        ("slow_model", "#workspace", "delete WebAssembly.Suspending", "needs threads"),
     ],
 )
 def test_what_is_missing_is_said_in_a_sentence_and_one_can_type(
-    open_workspace: Any, hash_: str, script: str, said: str
+    open_workspace: Any, slug: str, hash_: str, script: str, said: str
 ) -> None:
-    page = open_workspace(hash_, script=script)
+    page = open_workspace(hash_, slug, script)
     page.locator(".ws-status", has_text=said).wait_for(timeout=SLOW)
     type_in(page, "# mine")
     assert typed(page).strip() == "# mine"
@@ -215,6 +262,16 @@ def test_axe_has_nothing_against_a_failing_workspace(
     assert axe(page) == []
 
 
+def test_the_editor_knows_messages_and_nodes(open_workspace: Any) -> None:
+    page = open_workspace()
+    type_in(page, "scan.")
+    page.keyboard.type("range_m")
+    page.locator(".cm-completionLabel", has_text="range_max").click()
+    page.keyboard.type("\nself.create_subs")
+    page.locator(".cm-completionLabel", has_text="create_subscription").click()
+    assert typed(page).split() == ["scan.range_max", "self.create_subscription"]
+
+
 def test_the_keyboard_gets_into_the_editor_and_out_again(open_workspace: Any) -> None:
     page = open_workspace()
     page.locator(".cm-content").focus()
@@ -226,6 +283,21 @@ def test_the_keyboard_gets_into_the_editor_and_out_again(open_workspace: Any) ->
     assert page.evaluate("document.activeElement.id") == "ws-scenario"
     page.keyboard.press("Escape")
     assert not page.locator("dialog.workspace").is_visible()
+
+
+def test_a_later_visit_needs_no_server(chromium: Any, site: Path, tmp_path: Path) -> None:
+    context = chromium.new_context()
+    page = context.new_page()
+    with served(site, tmp_path) as address:
+        page.goto(f"{address}/exercises/{SLUG}/README.html#workspace")
+        assert settle(page) == "Ready."
+        page.wait_for_function("caches.match(location.pathname)")
+    page.reload()
+    page.locator(".cm-content").wait_for()
+    assert settle(page) == "Ready."
+    page.get_by_role("button", name="Drive").click()
+    assert "Driven to the end" in settle(page)
+    context.close()
 
 
 def test_the_front_page_leads_into_the_workspace(chromium: Any, address: str) -> None:

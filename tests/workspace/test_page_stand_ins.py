@@ -11,6 +11,7 @@ import pytest
 
 from grader.course.exercises import ROOT
 from sim.scenario_files import load_scenario, scenario_names
+from workspace.build import EXERCISES
 
 READ = """
 import msgspec
@@ -56,9 +57,7 @@ def with_stand_ins(script: str, order: object) -> object:
     return said_by(f"{script}\nassert {module}.__file__.startswith({folder!r})", order, folder)
 
 
-@pytest.mark.parametrize(
-    "room", ["demo", "obstacle_avoidance", "goal_seeking", "trend_memory", "safety_supervisor"]
-)
+@pytest.mark.parametrize("room", ["demo", *EXERCISES])
 def test_scenarios_are_the_same(room: str) -> None:
     names = [name for name, path in scenario_names().items() if room in path.parts]
     assert names

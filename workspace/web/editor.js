@@ -1,13 +1,22 @@
 // The editor, bundled by esbuild. Tab leaves it, as a keyboard user expects; Enter keeps the indent.
 import { basicSetup } from 'codemirror';
-import { python } from '@codemirror/lang-python';
+import { python, pythonLanguage } from '@codemirror/lang-python';
 import { indentUnit, syntaxHighlighting } from '@codemirror/language';
 import { lintGutter, setDiagnostics } from '@codemirror/lint';
 import { EditorView, keymap } from '@codemirror/view';
 import { classHighlighter } from '@lezer/highlight';
 
+/** Offer words after a dot; each has a value: what it belongs to. */
+function afterDots(words) {
+  const options = Object.entries(words).map(([label, detail]) => ({ label, detail, type: detail === 'Node' ? 'method' : 'property' }));
+  return (context) => {
+    const found = context.matchBefore(/\.\w*/);
+    return found && { from: found.from + 1, options, validFor: /^\w*$/ };
+  };
+}
+
 /** Return an editor: its text, and marks on lines. `keys` are shortcuts, by CodeMirror's names. */
-export function makeEditor({ parent, text, label, onChange, keys }) {
+export function makeEditor({ parent, text, label, onChange, keys, words }) {
   const view = new EditorView({
     doc: text,
     parent,
@@ -15,10 +24,11 @@ export function makeEditor({ parent, text, label, onChange, keys }) {
       keymap.of(Object.entries(keys).map(([key, act]) => ({ key, run: () => { act(); return true; } }))),
       basicSetup,
       python(),
+      pythonLanguage.data.of({ autocomplete: afterDots(words) }),
       lintGutter(),
       indentUnit.of('    '),
       syntaxHighlighting(classHighlighter),
-      EditorView.contentAttributes.of({ 'aria-label': label }),
+      EditorView.contentAttributes.of({ 'aria-label': label, tabindex: '0' }),
       EditorView.updateListener.of((update) => { if (update.docChanged) onChange(); }),
     ],
   });

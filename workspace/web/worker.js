@@ -4,31 +4,58 @@ const FOLDER = '/home/reader'; // of the node
 const RECORDINGS = '/recordings';
 let python;
 let image;
+let top; // of the stack, when the image was made
 const calls = {}; // methods of workspace.runtime.Runtime
 
-const bytes = async (name) => {
-  const answer = await fetch(name);
+const CACHE = 'course-workspace'; // also in workspace.js
+const PLAIN = { 'pyodide.asm.wasm': 'application/wasm', 'python_stdlib.zip': 'application/zip' };
+
+/** Fetch a file of the workspace, or have it from this browser's store: its address holds its hash. */
+const stored = async (name, manifest) => {
+  const address = `${name}?${manifest[name].sha256}`;
+  const store = await globalThis.caches?.open(CACHE).catch(() => null); // none without https, or in a private window
+  const kept = await store?.match(address).catch(() => null);
+  if (kept) return kept;
+  const answer = await fetch(address);
   if (!answer.ok) throw new Error(`${name}: ${answer.status} ${answer.statusText}`);
-  return answer.arrayBuffer();
+  store?.put(address, answer.clone()).catch(() => {}); // no room: it works without
+  return answer;
 };
 
-/** Fetch a file that was compressed when the page was built: plain servers compress nothing. */
-const inflated = async (name, type) => {
-  const packed = new Response(await bytes(`${name}.pack`));
-  return new Response(packed.body.pipeThrough(new DecompressionStream('gzip')), { headers: { 'Content-Type': type } });
-};
+/** Return an answer whose content was compressed when the page was built: plain servers compress nothing. */
+const inflated = (packed, type = '') => new Response(packed.body.pipeThrough(new DecompressionStream('gzip')),
+  { headers: { 'Content-Type': type } });
 
+const script = async (answer) => URL.createObjectURL(new Blob([await answer.arrayBuffer()], { type: 'text/javascript' }));
+
+/** Unpack a tar archive into /course; Python's own takes ten times as long. */
+function unpack(archive) {
+  const [text, folders] = [new TextDecoder(), new Set()];
+  for (let at = 0; archive[at];) {
+    const field = (from, size) => text.decode(archive.subarray(at + from, at + from + size)).split('\0')[0];
+    const path = ['/course', field(345, 155), field(0, 100)].filter(Boolean).join('/');
+    const folder = path.slice(0, path.lastIndexOf('/'));
+    if (!folders.has(folder)) python.FS.mkdirTree(folder);
+    folders.add(folder);
+    const end = at + 512 + parseInt(field(124, 12), 8);
+    python.FS.writeFile(path, archive.subarray(at + 512, end), { canOwn: true });
+    at = 512 * Math.ceil(end / 512);
+  }
+}
+
+const fail = (error) => postMessage({ kind: 'error', text: String(error && error.message ? error.message : error).slice(-4000) });
 const say = (text) => postMessage({ kind: 'progress', text });
 
-async function load() {
+async function load(manifest) {
   say('Fetching Python, 12 MB the first time …');
-  const packs = Promise.all(['packages.pack', 'course.pack'].map(bytes));
-  importScripts('pyodide/pyodide.js', URL.createObjectURL(await (await inflated('pyodide/pyodide.asm.js', 'text/javascript')).blob()));
+  const names = Object.keys(manifest).filter((name) => /\.pack$|^pyodide\//.test(name));
+  const files = Object.fromEntries(names.map((name) => [name, stored(name, manifest)]));
+  importScripts(await script(await files['pyodide/pyodide.js']), await script(inflated(await files['pyodide/pyodide.asm.js.pack'])));
   const plainFetch = globalThis.fetch;
-  const packed = { 'pyodide.asm.wasm': 'application/wasm', 'python_stdlib.zip': 'application/zip' };
-  globalThis.fetch = (url, options) => {
+  globalThis.fetch = async (url, options) => {
     const name = String(url).split('/').at(-1);
-    return packed[name] ? inflated(`pyodide/${name}`, packed[name]) : plainFetch(url, options);
+    const packed = files[`pyodide/${name}.pack`];
+    return packed ? inflated(await packed, PLAIN[name]) : files[`pyodide/${name}`] || plainFetch(url, options);
   };
   python = await loadPyodide({
     indexURL: './pyodide/',
@@ -40,7 +67,7 @@ async function load() {
     },
   });
   globalThis.fetch = plainFetch;
-  for (const pack of await packs) python.unpackArchive(pack, 'gztar', { extractDir: '/course' });
+  for (const name of ['packages.pack', 'course.pack']) unpack(new Uint8Array(await inflated(await files[name]).arrayBuffer()));
   [FOLDER, RECORDINGS].forEach((folder) => python.FS.mkdirTree(folder));
   say('Starting rclpy, the robot and the judge …');
   globalThis.reached = (seconds) => postMessage({ kind: 'reached', seconds });
@@ -48,35 +75,62 @@ async function load() {
 import sys
 sys.path[:0] = ["/course", "/course/workspace/stand_ins"]
 from workspace import runtime
-from js import reached
-page = runtime.warm("${RECORDINGS}", reached)
+from js import reached, stacks
+from pyodide.ffi import run_sync
+
+class Browser:
+    begin, wake = stacks.begin, stacks.wake
+    wait = staticmethod(lambda number: run_sync(stacks.waited(number)))
+
+page = runtime.warm("${RECORDINGS}", reached, ${threads ? 'Browser' : 'None'})
 `);
   const page = python.globals.get('page');
-  for (const name of ['trial', 'judge', 'replay']) calls[name] = page[name];
+  for (const name of ['trial', 'judge', 'replay', 'thread']) calls[name] = page[name];
   image = python._module.HEAPU8.slice();
+  top = python._module.stackSave();
 }
+
+const threads = 'Suspending' in WebAssembly; // stacks that wait for a promise
+const waiting = new Map(); // how to wake them, by their numbers
+globalThis.stacks = {
+  begin: (number) => queueMicrotask(() => calls.thread.callPromising(number).catch(fail)),
+  waited: (number) => new Promise((resolve) => { waiting.set(number, resolve); }),
+  wake: (number) => { waiting.get(number)(); waiting.delete(number); },
+};
 
 function restore() {
   const memory = python._module.HEAPU8;
   memory.set(image);
   memory.fill(0, image.length);
+  python._module.stackRestore(top);
+  waiting.clear();
 }
 
-function write(files) {
-  for (const old of python.FS.readdir(FOLDER)) if (!old.startsWith('.')) python.FS.unlink(`${FOLDER}/${old}`);
-  for (const [name, text] of Object.entries(files)) python.FS.writeFile(`${FOLDER}/${name}`, text);
+/** Let a folder hold these files, texts or bytes, and nothing else. */
+function fill(folder, files) {
+  for (const old of python.FS.readdir(folder)) if (!old.startsWith('.')) python.FS.unlink(`${folder}/${old}`);
+  for (const [name, content] of Object.entries(files)) python.FS.writeFile(`${folder}/${name}`, content);
 }
 
-onmessage = async ({ data: { call, order, files } }) => {
+/** What a call needs of files comes with it, and what it made of them goes with the answer. */
+async function answer(call, order, files, recordings) {
+  fill(FOLDER, files);
+  fill(RECORDINGS, recordings);
+  restore();
+  const said = threads && call === 'trial' ? await calls.trial.callPromising(JSON.stringify(order)) : calls[call](JSON.stringify(order));
+  const made = call === 'trial' ? python.FS.readdir(RECORDINGS).filter((name) => !name.startsWith('.')) : [];
+  const contents = Object.fromEntries(made.map((name) => [name, python.FS.readFile(`${RECORDINGS}/${name}`)]));
+  postMessage({ kind: 'answer', said, recordings: contents }, Object.values(contents).map(({ buffer }) => buffer));
+}
+
+onmessage = async ({ data: { call, manifest, order, files, recordings } }) => {
   try {
-    if (call === 'load') await load();
+    if (call !== 'load') await answer(call, order, files, recordings);
     else {
-      if (files) write(files);
-      restore();
+      await load(manifest);
+      postMessage({ kind: 'answer' });
     }
-    const answer = call === 'load' ? '' : calls[call](JSON.stringify(order));
-    postMessage({ kind: 'answer', answer, memory: python._module.HEAPU8.length });
   } catch (error) {
-    postMessage({ kind: 'error', text: String(error && error.message ? error.message : error).slice(-4000) });
+    fail(error);
   }
 };

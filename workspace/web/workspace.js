@@ -1,11 +1,14 @@
 // The workspace of an exercise's page: an editor, the robot, and the grader's checks, all of them in
 // this browser. Python runs in worker.js; this file never waits for it.
 
+import { el } from './element.js';
+import { Machine, PATIENCE, Stopped } from './machine.js';
+import { Shelf, showChanges } from './shelf.js';
+
 const HERE = new URL('.', import.meta.url);
 const FOLDER = '/home/reader'; // where the worker puts the node
-const PATIENCE = 10; // [s] without a word of the worker, after which the reader is asked
 const JUDGE_EVERY = 2; // [s] while a check drives on: each time costs about half a second
-const KEPT = 20; // versions
+const CACHE = 'course-workspace'; // also in worker.js
 const LONGEST = 8000; // [characters] of a link: longer ones are cut where they are passed on
 const NOTHING_KEPT = 'This browser keeps nothing for this site: download your file before you leave the page.';
 const NO_MEMORY = 'The browser had no memory left. Close other tabs, then try again; what you typed is not lost.';
@@ -15,23 +18,14 @@ const OUTCOMES = {
   unavailable: '– not available',
 };
 
-/** Return an element: `on…` are listeners, other properties attributes; null children are left out. */
-function el(tag, properties = {}, ...children) {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(properties)) {
-    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
-    else if (value === true) element.setAttribute(name, '');
-    else if (value !== false && value !== null && value !== undefined) element.setAttribute(name, value);
-  }
-  element.append(...children.flat().filter((child) => child !== null && child !== undefined && child !== ''));
-  return element;
-}
-
-/** Say in a sentence why this page can't run Python; '' if it can. */
-function whyNot() {
+/** Say in a sentence why this page can't run an exercise; '' if it can. */
+function whyNot({ threads }) {
   if (!globalThis.WebAssembly) return 'The workspace needs WebAssembly, which is switched off in this browser.';
   if (!globalThis.Worker || !globalThis.DecompressionStream) {
     return 'The workspace needs a newer browser: Chrome or Edge 80, Firefox 113, Safari 16.4, or later.';
+  }
+  if (threads && !('Suspending' in WebAssembly)) {
+    return 'This exercise needs threads, which only some browsers have in a page: take Chrome or Edge 137 or later, or install the course.';
   }
   return '';
 }
@@ -52,117 +46,21 @@ async function unpacked(code) {
   return new TextDecoder('utf-8', { fatal: true }).decode(await through(bytes, new DecompressionStream('deflate')));
 }
 
-// --- what was typed ---------------------------------------------------------------------------------
+// --- without a network ------------------------------------------------------------------------------
 
-/** The reader's text and versions of it, kept by the browser; `works` is false where it keeps nothing. */
-class Shelf {
-  constructor(slug) {
-    this.key = `course-workspace:${slug}`;
-    this.works = true;
-    try {
-      this.kept = JSON.parse(localStorage.getItem(this.key)) || {};
-      this.save();
-    } catch {
-      this.works = false;
-      this.kept = {};
-    }
-  }
-
-  get text() { return typeof this.kept.text === 'string' ? this.kept.text : null; }
-
-  set text(text) {
-    this.kept.text = text;
-    this.save();
-  }
-
-  get versions() { return Array.isArray(this.kept.versions) ? this.kept.versions : []; }
-
-  add(text, points) {
-    const others = this.versions.filter((version) => version.text !== text);
-    this.kept.versions = [{ text, points, at: new Date().toISOString() }, ...others].slice(0, KEPT);
-    this.save();
-  }
-
-  save() {
-    if (!this.works) return;
-    try {
-      localStorage.setItem(this.key, JSON.stringify(this.kept));
-    } catch {
-      this.works = false; // full, or switched off meanwhile
-    }
-  }
-}
-
-// --- Python -----------------------------------------------------------------------------------------
-
-class Stopped extends Error {}
-
-/** The worker: one call at a time. `onnews` hears what it says, `onsilence` that it says nothing. */
-class Machine {
-  constructor({ onnews, onsilence }) {
-    this.onnews = onnews;
-    this.onsilence = onsilence;
-    this.worker = null;
-  }
-
-  /** Start a worker unless one is there, and wait until it is warm. */
-  ready() {
-    if (!this.worker) {
-      this.worker = new Worker(new URL('worker.js', HERE));
-      this.worker.onmessage = ({ data }) => this.hear(data);
-      this.worker.onerror = (event) => this.hear({ kind: 'error', text: event.message || 'the worker did not start' });
-      this.warm = this.send({ call: 'load' });
-      this.warm.catch(() => this.end());
-    }
-    return this.warm;
-  }
-
-  /** Call a method of workspace.runtime.Runtime in a fresh copy of the warm process. */
-  async call(call, order, files) {
-    await this.ready();
-    this.watch();
-    try {
-      return await this.send({ call, order, files });
-    } finally {
-      clearTimeout(this.dog);
-    }
-  }
-
-  send(message) {
-    return new Promise((resolve, reject) => {
-      this.waiting = { resolve, reject };
-      this.worker.postMessage(message);
-    });
-  }
-
-  hear(data) {
-    if (data.kind === 'answer') this.waiting.resolve(data.answer);
-    else if (data.kind === 'error') {
-      this.end();
-      this.waiting.reject(new Error(data.text));
-    } else {
-      this.onnews(data);
-      if (data.kind === 'reached') this.watch();
-    }
-  }
-
-  watch() {
-    clearTimeout(this.dog);
-    this.dog = setTimeout(() => this.onsilence(), PATIENCE * 1000);
-  }
-
-  /** Stop whatever runs; the next call starts anew. */
-  stop() {
-    if (!this.worker) return;
-    this.end();
-    this.waiting.reject(new Stopped());
-  }
-
-  end() {
-    clearTimeout(this.dog);
-    this.worker?.terminate();
-    this.worker = null;
-  }
+/** Keep what this page is made of; worker.js keeps its own. Where the browser keeps nothing, it works without. */
+async function keepForLater() {
+  const root = new URL('../../', HERE); // of the site
+  await navigator.serviceWorker.register(new URL('offline.js', root));
+  const store = await caches.open(CACHE);
+  const hashes = Object.values(manifest).map(({ sha256 }) => `?${sha256}`);
+  const isOld = ({ url }) => /\?[0-9a-f]{64}$/.test(url) && !hashes.some((hash) => url.endsWith(hash));
+  await Promise.all((await store.keys()).filter(isOld).map((request) => store.delete(request)));
+  const loaded = performance.getEntriesByType('resource').map(({ name }) => name).filter((name) => name.startsWith(root));
+  const worker = new URL(`worker.js?${manifest['worker.js'].sha256}`, HERE).href;
+  const hints = new URL('hints.html', location.href).href;
+  await Promise.all([...new Set([hints, worker, ...loaded])].map((name) => store.add(name).catch(() => {})));
+  await store.add(location.pathname);
 }
 
 // --- hints ------------------------------------------------------------------------------------------
@@ -188,7 +86,8 @@ class Workspace {
     [this.file] = plan.files;
     this.skeleton = plan.skeleton[this.file];
     this.shelf = new Shelf(plan.slug);
-    this.machine = new Machine({ onnews: (news) => this.hear(news), onsilence: () => this.ask() });
+    this.machine = new Machine(manifest, { onnews: (hand, news) => this.hear(hand, news), onsilence: (hand) => this.ask(hand) });
+    this.recordings = {}; // of the last check, by their files
     this.busy = false;
     this.rows = {};
     this.build();
@@ -207,6 +106,7 @@ class Workspace {
     this.checkButton = button('Check', () => this.check(), { title: 'Ctrl-Shift-Enter', class: 'ws-main' });
     this.stopButton = button('Stop', () => this.machine.stop(), { hidden: true });
     this.versions = el('select', { 'aria-label': 'Earlier versions', onchange: () => this.restore() });
+    this.changesButton = button('Changes', () => this.changes(), { title: 'Since the last version that passed all checks' });
     this.code = el('div', { class: 'ws-code', 'data-pane': 'code', onkeydown: (event) => this.leave(event) });
     this.replay = el('div', { class: 'ws-replay', 'data-pane': 'replay' },
       el('p', { class: 'ws-empty' }, 'Drive the node, or check it: its run is shown here.'));
@@ -225,19 +125,19 @@ class Workspace {
           this.driveButton,
           el('label', { for: 'ws-scenario' }, 'in'), this.scenario,
           el('label', { for: 'ws-seed', class: 'ws-seed' }, 'seed', this.seed),
-          this.checkButton, this.stopButton),
+          this.checkButton),
         el('div', { class: 'ws-tools ws-file' },
-          this.versions,
+          this.versions, this.changesButton,
           button('Reset', () => this.reset(), { title: 'Begin with the skeleton again' }),
           button('Link', () => this.share(), { title: 'A link that carries your code' }),
           button('Download', () => this.download(), { title: this.file })),
         button('Close', () => this.dialog.close(), { class: 'ws-close' })),
-      el('div', { class: 'ws-news' }, this.status, this.question),
+      el('div', { class: 'ws-news' }, this.status, this.stopButton, this.question),
       el('nav', { class: 'ws-tabs', 'aria-label': 'Show' }, this.tabs),
       el('div', { class: 'ws-panes' }, this.code, this.replay, checks));
     document.body.append(this.dialog);
     this.listVersions();
-    this.driveButton.disabled = this.checkButton.disabled = Boolean(whyNot());
+    this.driveButton.disabled = this.checkButton.disabled = Boolean(whyNot(this.plan));
     addEventListener('beforeunload', (event) => { if (!this.shelf.works && this.changed) event.preventDefault(); });
   }
 
@@ -248,8 +148,11 @@ class Workspace {
     if (!this.editor) await this.makeEditor();
     const said = code === null ? [] : [await this.take(code)];
     if (!this.shelf.works) said.push(NOTHING_KEPT);
-    if (whyNot()) this.say([whyNot(), ...said].join(' '));
-    else this.work(() => this.machine.ready(), ['Ready.', ...said].join(' '));
+    if (whyNot(this.plan)) this.say([whyNot(this.plan), ...said].join(' '));
+    else {
+      this.work(() => this.machine.ready(), ['Ready.', ...said].join(' '));
+      this.machine.first.warm.then(keepForLater).catch(() => {}); // not by http, not in a private window
+    }
   }
 
   /** Put a link's code into the editor; say what came of it. */
@@ -269,7 +172,7 @@ class Workspace {
     const keys = { 'Ctrl-Enter': () => this.drive(), 'Ctrl-Shift-Enter': () => this.check() };
     try {
       const { makeEditor } = await import(new URL('editor.js', HERE));
-      this.editor = makeEditor({ parent: this.code, text, label, onChange, keys });
+      this.editor = makeEditor({ parent: this.code, text, label, onChange, keys, words: this.plan.words });
     } catch {
       this.editor = plainEditor(this.code, text, label, onChange);
     }
@@ -284,25 +187,24 @@ class Workspace {
     this.tabs.forEach((tab) => tab.setAttribute('aria-pressed', tab.dataset.name === name));
   }
 
-  hear({ kind, text, seconds }) {
-    if (kind === 'progress') this.say(text);
+  hear(hand, { kind, text, seconds }) {
+    if (kind === 'progress' && hand === this.machine.first) this.say(text);
     if (kind === 'out') {
       this.log.hidden = false;
       this.log.textContent = `${this.log.textContent}${text}\n`.slice(-20000);
     }
     if (kind === 'reached') {
       this.question.hidden = true;
-      this.reached = seconds;
-      this.say(`${this.doing}: ${seconds.toFixed(1)} s driven`);
+      this.say(`${hand.doing}: ${seconds.toFixed(1)} s driven`);
     }
   }
 
   /** Python says nothing: whether to wait is the reader's choice. */
-  ask() {
-    const where = this.reached === null ? 'while it started' : `at ${this.reached.toFixed(1)} s of ${this.running}`;
+  ask(hand) {
     this.question.replaceChildren(
-      el('span', {}, `Time has stood still for ${PATIENCE} s (${where}): the node computes, or a loop never ends. `),
-      el('button', { type: 'button', onclick: () => { this.question.hidden = true; this.machine.watch(); } }, 'Wait'),
+      el('span', {}, `Time has stood still for ${PATIENCE} s (at ${hand.reached.toFixed(1)} s of ${hand.where}): `
+        + 'the node computes, or a loop never ends. '),
+      el('button', { type: 'button', onclick: () => { this.question.hidden = true; hand.watch(); } }, 'Wait'),
       el('button', { type: 'button', onclick: () => this.machine.stop() }, 'Stop it'));
     this.question.hidden = false;
   }
@@ -316,32 +218,29 @@ class Workspace {
     this.dialog.setAttribute('aria-busy', 'true');
     this.driveButton.disabled = this.checkButton.disabled = true;
     this.stopButton.hidden = false;
-    this.reached = null;
     try {
       const said = await task();
       this.say(done || said);
     } catch (error) {
+      this.machine.stop(); // what others are at is of no use any more
       const text = String(error.message || error);
       if (error instanceof Stopped) this.say('Stopped.');
-      else if (/memory|allocation/i.test(text)) this.say(NO_MEMORY);
+      else if (/out of memory|allocat|MemoryError/i.test(text)) this.say(NO_MEMORY);
       else this.say(`This went wrong in the page, not in your node: ${text.trim().split('\n').at(-1)}`);
-      if (!(error instanceof Stopped)) this.hear({ kind: 'out', text });
+      if (!(error instanceof Stopped)) this.hear(null, { kind: 'out', text });
     }
     this.busy = false;
     this.dialog.setAttribute('aria-busy', 'false');
-    this.driveButton.disabled = this.checkButton.disabled = Boolean(whyNot());
+    this.driveButton.disabled = this.checkButton.disabled = Boolean(whyNot(this.plan));
     this.stopButton.hidden = this.question.hidden = true;
   }
 
-  /** Run the node in a scenario; return how it ended. */
-  async run(scenario, more = {}) {
-    this.running = scenario;
-    this.reached = null;
+  /** Run the node in a scenario; return how it ended, and its recording. */
+  async run(hand, scenario, more = {}) {
     const order = { file: `${FOLDER}/${this.file}`, others: this.plan.files, scenario, ...more };
     const files = { [this.file]: this.editor.text };
-    let ended = JSON.parse(await this.machine.call('trial', order, files));
-    if (ended.lead) ended = JSON.parse(await this.machine.call('trial', { ...order, lead: ended.lead }, files));
-    return ended;
+    const [ended, recordings] = await hand.call('trial', order, { files });
+    return ended.lead ? this.run(hand, scenario, { ...more, lead: ended.lead }) : [ended, recordings];
   }
 
   drive() {
@@ -349,10 +248,11 @@ class Workspace {
     const seed = this.seed.value === '' ? {} : { seed: Number(this.seed.value) };
     this.editor.mark(0);
     return this.work(async () => {
-      this.doing = `Driving in ${scenario}`;
-      this.say(`${this.doing} …`);
-      const ended = await this.run(scenario, seed);
-      await this.play([scenario], []);
+      const hand = await this.machine.ready();
+      hand.doing = `Driving in ${scenario}`;
+      this.say(`${hand.doing} …`);
+      const [ended, recordings] = await this.run(hand, scenario, seed);
+      await this.play([scenario], [], recordings);
       this.show('replay');
       if (ended.kind === 'completed') return `Driven to the end of ${scenario}.`;
       this.mark({ where: ended.where, message: ended.text });
@@ -361,44 +261,58 @@ class Workspace {
   }
 
   check() {
+    if (this.busy) return null;
     this.editor.mark(0);
     Object.values(this.rows).forEach(({ fill }) => fill(null));
+    this.score.replaceChildren();
     return this.work(async () => {
-      const { checks } = this.plan;
       const text = this.editor.text;
-      const driven = [];
-      const wanted = [...new Set(checks.flatMap((check) => check.scenarios))];
-      let [shown, last] = [0, performance.now()];
-      for (const [i, { scenarios }] of checks.entries()) {
-        for (const scenario of scenarios.filter((name) => !driven.includes(name))) {
-          this.doing = `Run ${driven.length + 1} of ${wanted.length}, ${scenario}`;
-          this.say(`${this.doing} …`);
-          await this.run(scenario, { interrupt: !driven.length });
-          driven.push(scenario);
-        }
-        if (performance.now() - last > JUDGE_EVERY * 1000 && i + 1 < checks.length) {
-          const only = checks.slice(shown, i + 1).map(({ id }) => id);
-          this.fill(await this.judge(driven, only), only);
-          [shown, last] = [i + 1, performance.now()];
-        }
-      }
+      await this.driveAll();
       this.say('Judging …');
-      const grading = await this.judge(driven);
-      this.fill(grading, checks.map(({ id }) => id));
-      this.shelf.add(text, `${grading.score} of ${grading.max_score}`);
+      const grading = await this.judge(await this.machine.ready());
+      this.fill(grading, this.plan.checks.map(({ id }) => id));
+      this.shelf.add(text, `${grading.score} of ${grading.max_score}`, grading.checks.every(({ outcome }) => outcome === 'pass'));
       this.listVersions();
-      await this.tell(grading, driven);
+      await this.tell(grading);
       return `${grading.score} of ${grading.max_score} points.`;
     });
   }
 
-  async judge(scenarios, only = []) {
-    const order = { exercise: this.plan.slug, file: this.file, scenarios, only };
-    return JSON.parse(await this.machine.call('judge', order));
+  /** Drive in all scenarios of the checks; on a slow machine judge what can be judged meanwhile. */
+  async driveAll() {
+    const { checks } = this.plan;
+    const wanted = [...new Set(checks.flatMap((check) => check.scenarios))];
+    const left = [...wanted];
+    let [shown, last] = [0, performance.now()];
+    this.recordings = {};
+    await this.machine.together(async (hand) => {
+      const scenario = left.shift();
+      if (!scenario) return false;
+      const number = wanted.length - left.length;
+      hand.doing = `Run ${number} of ${wanted.length}, ${scenario}`;
+      this.say(`${hand.doing} …`);
+      const [, recordings] = await this.run(hand, scenario, { interrupt: number === 1 });
+      Object.assign(this.recordings, recordings);
+      const open = checks.findIndex((check) => !check.scenarios.every((name) => `${name}.pickle` in this.recordings));
+      if (performance.now() - last > JUDGE_EVERY * 1000 && open > shown) {
+        const only = checks.slice(shown, open).map(({ id }) => id);
+        [shown, last] = [open, performance.now()];
+        this.fill(await this.judge(hand, only), only);
+      }
+      return true;
+    });
   }
 
+  async judge(hand, only = []) {
+    const order = { exercise: this.plan.slug, file: this.file, scenarios: this.driven, only };
+    return (await hand.call('judge', order, { recordings: this.recordings }))[0];
+  }
+
+  /** The scenarios of which there are recordings, in the order of the checks. */
+  get driven() { return Object.keys(this.plan.scenarios).filter((name) => `${name}.pickle` in this.recordings); }
+
   /** Show a grading as a whole, and the first failure where it happens; all runs if nothing failed. */
-  async tell(grading, driven) {
+  async tell(grading) {
     const { cause } = grading;
     this.score.replaceChildren(
       el('strong', {}, `${grading.score} of ${grading.max_score} points. `),
@@ -406,14 +320,14 @@ class Workspace {
       cause ? el('p', { class: 'ws-cause' }, el('strong', {}, 'Cause: '), cause.text,
         cause.where ? el('pre', {}, cause.where) : null) : '');
     const first = grading.checks.find((check) => check.outcome === 'fail');
-    if (!first) await this.play(driven, grading.checks);
-    else if (first.scenario) await this.play([first.scenario], [first]);
+    if (!first) await this.play(this.driven, grading.checks, this.recordings);
+    else if (first.scenario) await this.play([first.scenario], [first], this.recordings);
     if (first) this.mark(first);
     this.show('checks');
   }
 
-  async play(scenarios, checks) {
-    const html = await this.machine.call('replay', { scenarios, checks, title: this.plan.title });
+  async play(scenarios, checks, recordings) {
+    const [html] = await this.machine.call('replay', { scenarios, checks, title: this.plan.title }, { recordings });
     const frame = el('iframe', { title: 'Replay', sandbox: 'allow-scripts' });
     frame.addEventListener('load', () => this.shade(frame));
     frame.srcdoc = html;
@@ -473,7 +387,7 @@ class Workspace {
   look(result) {
     this.mark(result);
     this.work(async () => {
-      await this.play([result.scenario], [result]);
+      await this.play([result.scenario], [result], this.recordings);
       this.show('replay');
       return result.message;
     });
@@ -507,6 +421,18 @@ class Workspace {
     this.versions.replaceChildren(el('option', { value: '' }, 'Versions'),
       ...versions.map(({ at, points }, i) => el('option', { value: i }, `${new Date(at).toLocaleString()}: ${points}`)));
     this.versions.disabled = !versions.length;
+    this.changesButton.disabled = !this.shelf.green;
+  }
+
+  /** Show above the checks what is different from the last version that passed them all. */
+  changes() {
+    const { text, at } = this.shelf.green;
+    const since = `what passed all checks on ${new Date(at).toLocaleString()}`;
+    const same = text === this.editor.text;
+    this.score.replaceChildren(el('p', {}, same ? `This is ${since}.` : `Changed since ${since}:`),
+      same ? '' : showChanges(text, this.editor.text));
+    this.show('checks');
+    this.score.scrollIntoView();
   }
 
   restore() {
@@ -578,8 +504,10 @@ function plainEditor(parent, text, label, onChange) {
 // --- the block in the page --------------------------------------------------------------------------
 
 const place = document.querySelector('.workspace-block');
+const read = async (name) => (await fetch(new URL(name, HERE), { cache: 'no-cache' })).json();
+const manifest = place ? await read('manifest.json') : {};
 if (place) {
-  const { exercises, demos } = await (await fetch(new URL('plan.json', HERE))).json();
+  const { exercises, demos } = await read('plan.json');
   const workspace = new Workspace(exercises[place.dataset.exercise], demos, place);
   place.querySelector('.workspace-words').textContent = 'Write the node here, drive it and have it checked, in this '
     + 'browser: nothing is installed, and nothing leaves this machine. The first visit fetches 12 MB.';

@@ -1,0 +1,76 @@
+// What was typed, its versions, and what is different between two.
+
+import { el } from './element.js';
+
+const KEPT = 20; // versions
+const AROUND = 2; // lines around a change
+
+/** The reader's text and versions of it, kept by the browser; `works` is false where it keeps nothing. */
+export class Shelf {
+  constructor(slug) {
+    this.key = `course-workspace:${slug}`;
+    this.works = true;
+    try {
+      this.kept = JSON.parse(localStorage.getItem(this.key)) || {};
+      this.save();
+    } catch {
+      this.works = false;
+      this.kept = {};
+    }
+  }
+
+  get text() { return typeof this.kept.text === 'string' ? this.kept.text : null; }
+
+  set text(text) {
+    this.kept.text = text;
+    this.save();
+  }
+
+  get versions() { return Array.isArray(this.kept.versions) ? this.kept.versions : []; }
+
+  add(text, points, green = false) {
+    const version = { text, points, at: new Date().toISOString() };
+    const others = this.versions.filter((other) => other.text !== text);
+    this.kept.versions = [version, ...others].slice(0, KEPT);
+    if (green) this.kept.green = version; // the last one that passed all checks
+    this.save();
+  }
+
+  get green() { return typeof this.kept.green?.text === 'string' ? this.kept.green : null; }
+
+  save() {
+    if (!this.works) return;
+    try {
+      localStorage.setItem(this.key, JSON.stringify(this.kept));
+    } catch {
+      this.works = false; // full, or switched off meanwhile
+    }
+  }
+}
+
+/** Return the lines of two texts as [sign, line]: '-' only in the first, '+' only in the second, ' ' in both. */
+function compared(before, after) {
+  const [a, b] = [before.split('\n'), after.split('\n')];
+  const common = Array.from({ length: a.length + 1 }, () => new Uint16Array(b.length + 1)); // lines, from there to the ends
+  for (let i = a.length - 1; i >= 0; i -= 1) {
+    for (let j = b.length - 1; j >= 0; j -= 1) {
+      common[i][j] = a[i] === b[j] ? common[i + 1][j + 1] + 1 : Math.max(common[i + 1][j], common[i][j + 1]);
+    }
+  }
+  const lines = [];
+  for (let [i, j] = [0, 0]; i < a.length || j < b.length;) {
+    if (i < a.length && a[i] === b[j]) [lines[lines.length], i, j] = [[' ', a[i]], i + 1, j + 1];
+    else if (j === b.length || (i < a.length && common[i + 1][j] >= common[i][j + 1])) [lines[lines.length], i] = [['-', a[i]], i + 1];
+    else [lines[lines.length], j] = [['+', b[j]], j + 1];
+  }
+  return lines;
+}
+
+/** Show what has changed, with a few lines around it. */
+export function showChanges(before, after) {
+  const lines = compared(before, after);
+  const near = (i) => lines.slice(Math.max(0, i - AROUND), i + AROUND + 1).some(([sign]) => sign !== ' ');
+  const shown = lines.map(([sign, line], i) => (near(i) ? el('span', { 'data-sign': sign }, `${sign} ${line}\n`) : null));
+  return el('pre', { class: 'ws-changes', tabindex: 0, 'aria-label': 'Changes' },
+    shown.filter((line, i) => line || shown[i - 1]).map((line) => line || el('span', {}, '⋯\n')));
+}
