@@ -176,8 +176,8 @@ RULES = (
          "one is a stamp of a message: Time.from_msg(stamp), of rclpy.time, makes both alike",
          TIMES),
     Rule("TypeError", r"Can't (?:subtract|compare) times with different clock types", "",
-         "give both the node's clock: Time.from_msg(stamp) for stamps, and "
-         "Time(clock_type=self.get_clock().clock_type) instead of Time()", TIMES),
+         "the two are of different clocks: take both from self.get_clock().now(); a stamp becomes "
+         "Time.from_msg(stamp), an empty Time Time(clock_type=self.get_clock().clock_type)", TIMES),
     Rule("TypeError", r"Duration\.__init__\(\) takes 1 positional", "",
          "name its unit: Duration(seconds=0.5)", TIMES),
     Rule("TypeError", r"'int' object is not callable", r"\.nanoseconds\s*\(",
@@ -278,7 +278,7 @@ RULES = (
          "https://docs.python.org/3/library/math.html#math.atan2"),
     Rule("ValueError", r"min\(\)|max\(\)|empty", r"\[\s*-\w+\s*:\s*\w+\s*\]",
          "a slice from a negative index to a positive one is empty, for -90 counts from the end: "
-         "join two, ranges[-90:] and ranges[:90]",
+         "which beams lie ahead, angle_min + i * angle_increment says",
          "https://docs.python.org/3/library/stdtypes.html#common-sequence-operations"),
     Rule("TypeError", r"list indices must be integers|array indices must be integers|"
          r"'float' object cannot be interpreted as an integer", "",

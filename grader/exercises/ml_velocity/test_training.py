@@ -78,9 +78,9 @@ def test_model_accuracy(runs: Runs) -> None:
     error = float(np.abs(said - right).mean())
     actual = f"{error:.3f} m/s; on average {said.mean():.3f}, the expert {right.mean():.3f} m/s"
     help = (
-        "Are the features those that the controller computes, in the same order? Did it learn "
-        "from all scans? Where a scan is left out of X, is its speed left out of y, the same one? "
-        "A neural network also wants scaled inputs, and enough units."
+        "The model is asked about the controller's features in metres, in their order: what the "
+        "script does to them besides, such as a scaler, belongs into the model, as a pipeline. Did "
+        "it learn from all scans, each with its own speed?"
     )
     wanted = f"an error of at most {ACCURACY} m/s over {len(right)} new scans"
     _need(runs, error <= ACCURACY, wanted, actual, help)  # never true of NaN
