@@ -131,7 +131,8 @@ class NodeTrials(Trials):
         self._interrupted: str | None = None  # the scenario at whose end Ctrl-C is tried
         self._second_look = threading.Lock()  # at a node that hung in virtual time
         self._why_real: str | None = None  # the node can't run in virtual time
-        self._dead: Outcome | None = None  # it hangs before it has started, whatever the scenario
+        # What hangs before it has started, whatever the scenario, by the student's programs in it
+        self._dead: dict[frozenset[str], Outcome] = {}
 
     def __enter__(self) -> NodeTrials:
         return self
@@ -330,8 +331,8 @@ class NodeTrials(Trials):
         return recording
 
     def _drive(self, scenario: Scenario, files: Mapping[str, bytes]) -> Recording:
-        if self._dead is not None:
-            return not_run(Simulation(scenario, self.seed_of(scenario)), self._dead)
+        if dead := self._dead.get(_own_programs(scenario)):
+            return not_run(Simulation(scenario, self.seed_of(scenario)), dead)
         if self.real_time or self._why_real is not None:
             return self._run_in_real_time(scenario, self._why_real or "")
         limits = HURRIED if self._slow else self.limits
@@ -377,7 +378,7 @@ class NodeTrials(Trials):
                     return real
                 self._hung = True
                 if not virtual.delivered:
-                    self._dead = virtual.outcome
+                    self._dead[_own_programs(scenario)] = virtual.outcome
         if self._why_real is not None:
             return self._run_in_real_time(scenario, self._why_real)
         return virtual
@@ -405,6 +406,11 @@ class NodeTrials(Trials):
                 if made is not None:
                     found[file] = made
         return found
+
+
+def _own_programs(scenario: Scenario) -> frozenset[str]:
+    """Return which of an exercise's several files a scenario starts; none where there is one."""
+    return frozenset(spec.file for spec in scenario.program if not spec.supplied)
 
 
 def _trainings(scenario: Scenario) -> list[str]:

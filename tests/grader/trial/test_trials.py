@@ -8,7 +8,7 @@ import pytest
 
 from grader.course import installed
 from grader.course.exercises import SOLUTIONS, find_exercise
-from grader.course.submission import Submission
+from grader.course.submission import Submission, find_submission
 from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
 from grader.trial import trials as trials_module
@@ -258,3 +258,20 @@ def test_progress_says_what_runs_and_what_has_passed(forkserver: ForkServer) -> 
     assert [step.done for step in checks] == list(range(1, checks[0].of + 1))
     assert checks[0].name == "wiring"
     assert {step.outcome for step in checks} == {"pass"}
+
+
+def test_a_client_that_hangs_leaves_the_server_its_points(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    exercise, waits = find_exercise("model_server"), "while not self.request.done(): pass"
+    for file in exercise.files:
+        text = (exercise.solutions / file).read_text("utf-8")
+        text = text.replace("self.request.add_done_callback(self.answer_callback)", waits)
+        (tmp_path / file).write_text(text, "utf-8")
+    first, *others = exercise.files
+    grading = grade_submission(
+        exercise, find_submission(tmp_path, first, others), forkserver, file="x"
+    )
+    outcomes = {check.id: check.outcome for check in grading.checks}
+    assert outcomes["client_wiring"] == "fail"
+    assert (outcomes["server_wiring"], outcomes["answers"]) == ("pass", "pass")
