@@ -21,6 +21,7 @@ OUTCOMES = {  # outcome: sign, sign on an ASCII terminal, word, style
 SKIPPED = ("skip", "unavailable")
 UNJUDGED = ("error", "inconclusive", "unavailable")  # neither won nor lost
 MAX_TEXT = 1200  # [characters] of one message; the page has all of it
+MAX_WISH = 60  # [characters] of what was expected, before what came
 
 
 def in_order(checks: Iterable[Check]) -> list[Check]:
@@ -80,10 +81,12 @@ def points_of(check: Check) -> str:
 
 
 def seen_of(check: Check) -> str:
-    """Say in one sentence what was expected, what came, and when."""
+    """Say in one sentence what was expected, what came, and when; a long wish gives way."""
     time, scenario = check.get("time"), check.get("scenario")
+    wish = str(check.get("expected") or "")
+    wish = wish if len(wish) <= MAX_WISH else f"{wish[:MAX_WISH].rstrip()} …"
     parts = [
-        f"expected {check['expected']}" if check.get("expected") else "",
+        f"expected {wish}" if wish else "",
         f"actual {check['actual']}" if check.get("actual") else "",
         f"at {time:.2f} s" + (f" in {scenario}" if scenario else "") if time is not None else "",
     ]

@@ -9,6 +9,7 @@ from grader.course.exercises import SOLUTIONS, find_exercise
 from grader.course.submission import Submission
 from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
+from grader.report.facts import seen_of
 from grader.report.terminal import ROWS, Console, render_terminal
 
 EXERCISE = find_exercise("obstacle_avoidance")
@@ -61,3 +62,10 @@ def test_a_student_sees_the_cause_beside_the_prompt(
     assert said in " ".join(" ".join(rows[first:]).split())
     assert " Score" in "\n".join(rows[first:])
     assert rows[-1].startswith(" Next")
+
+
+def test_a_long_wish_leaves_room_for_what_came() -> None:
+    check = {"expected": "reason = " + " or ".join(f"“word {n}”" for n in range(20)), "time": 0.05}
+    said = seen_of({**check, "actual": "reason = “Reason.OK”", "scenario": "safe_plain"})
+    assert said.endswith(" …; actual reason = “Reason.OK”; at 0.05 s in safe_plain")
+    assert len(said) < 140
