@@ -76,6 +76,7 @@ def test_a_judge_that_died_is_replaced(kernel: Kernel) -> None:
 def test_mistakes_are_explained_without_a_traceback(
     kernel: Kernel, cell: str, expected: str
 ) -> None:
+    save(kernel, AGENT, RIGHT)
     said = kernel.run(cell)
 
     assert (said.status, said.stderr, said.traceback) == ("ok", "", "")

@@ -34,6 +34,7 @@ from nbgrader_kit import (
 )
 
 from grader.authoring.claims import claims
+from grader.authoring.mutants import FIELD
 from grader.course.exercises import Exercise, all_exercises
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
@@ -65,7 +66,11 @@ def nodes(exercise: Exercise, student: str) -> Files:
         case "right" | "odd":
             return right
         case "wrong" | "tampering":
-            mutants = [one for one in claims(exercise) if one.kind == "mutant" and not one.lacks]
+            mutants = [
+                one
+                for one in claims(exercise)
+                if not one.lacks and any(not check.startswith(FIELD) for check in one.fails)
+            ]
             return dict(mutants[len(mutants) // 3].files)
         case "untouched":
             return skeleton
