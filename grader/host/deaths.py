@@ -34,7 +34,8 @@ from types import (
 from typing import Any
 
 from . import hints
-from .plain_words import field_of, plain_words
+from .message_words import field_of
+from .plain_words import plain_words
 
 MAX_FRAMES = 4
 MAX_VALUES = 6  # of a frame
@@ -158,14 +159,12 @@ def _nothing(error: BaseException, frame: FrameType, line: int) -> str:
     """Say what is None in a line, where that is what an operator met."""
     if not isinstance(error, TypeError) or "NoneType" not in str(error):
         return ""
-    values = _values(frame, _lines_before(frame, line, count=0))
-    names = [name for value in values for name, _, is_ in [value.partition(" = ")] if is_ == "None"]
+    text = _lines_before(frame, line, count=0)
+    told = [value.partition(" = ") for value in _values(frame, text)]
+    names = [name for name, _, is_ in told if is_ == "None"]
     if len(names) != 1 or "not callable" in str(error):
         return ""
-    if (
-        f"{names[0]} is not None" in (text := _lines_before(frame, line, count=0))
-        and " or " in text
-    ):
+    if f"{names[0]} is not None" in text and " or " in text:
         return (
             f"here {names[0]} is None, and what follows `or` is computed just then: brackets say "
             "what belongs together, `a and (b or c)`"

@@ -10,10 +10,11 @@ import dis
 import importlib.util
 import re
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from types import BuiltinMethodType, FunctionType, MethodType, ModuleType
 from typing import Any
 
+from .message_words import FIELD, lacks_field, types_of, with_article, wrong_field
 from .rules import of_ros_1, rule_for
 from .syntax_words import words_on_syntax
 
@@ -30,8 +31,6 @@ CALLED = (
     f"{HANDED}. Or is a method called where it should only be named, self.scan_callback without "
     "brackets?"
 )
-TYPES = "str(…) for a text, float(…) or int(…) for a number, a list where there are several"
-FIELD = f"a field of the message holds another type than it should: {TYPES}"
 PARAMETER = "get_parameter('…') gives a Parameter; its value is get_parameter('…').value"
 
 ONNX_NAMES = (
@@ -300,7 +299,7 @@ def _words(error: BaseException, line: str) -> str:
     if isinstance(error, SyntaxError):
         return words_on_syntax(error.msg, line or error.text or "")
     owner = getattr(error, "obj", None)
-    of_message = hasattr(type(owner), "_fields_and_field_types")
+    of_message = bool(types_of(owner))
     names = tuple(kind.__name__ for kind in type(error).__mro__)
     if said := rule_for(names, f"{text} (a message)" if of_message else text, line):
         return said
@@ -308,7 +307,7 @@ def _words(error: BaseException, line: str) -> str:
     if special and (said := special(error)):
         return said
     said = words_for(names, text)
-    return _wrong_field(error) or said if said == FIELD else said
+    return wrong_field(error) or said if said == FIELD else said
 
 
 def words_for(names: Sequence[str], text: str) -> str:
@@ -352,9 +351,8 @@ def _attribute(error: Any) -> str:
     if isinstance(owner, ModuleType) and _has_module(owner, name):
         package = owner.__name__
         return f"`import {package}` does not bring it: write `import {package}.{name}`"
-    fields = getattr(type(owner), "_fields_and_field_types", None)
-    if isinstance(fields, dict):
-        return _fields(type(owner).__name__, name, fields)
+    if fields := types_of(owner):
+        return lacks_field(type(owner).__name__, name, fields)
     if isinstance(owner, FUNCTIONS):
         method = getattr(owner, "__name__", "it")
         return f"brackets are missing: {method} is a function, so write {method}().{name}"
@@ -367,61 +365,6 @@ def _attribute(error: Any) -> str:
 
 def _is_node(owner: Any) -> bool:
     return any(base.__module__ == "rclpy.node" for base in type(owner).__mro__)
-
-
-def _fields(kind: str, name: str, fields: Iterable[Any]) -> str:
-    """Say which fields a message has."""
-    there = [str(field) for field in fields if not str(field).startswith("_")]
-    near = difflib.get_close_matches(name, there, n=1)
-    return f"{_a(kind)} has no {name}" + (
-        f": is it {near[0]}?" if near else f"; it has {', '.join(there)}"
-    )
-
-
-def field_of(error: BaseException, space: Mapping[str, Any]) -> str:
-    """Say which fields a message has of which one was *set* that it lacks; "" if it is no message.
-
-    Python does not say then whose attribute it was, so it is found among a frame's variables.
-    """
-    match = re.match(r"'(\w+)' object has no attribute '(\w+)'", str(error))
-    if not isinstance(error, AttributeError) or error.name is not None or match is None:
-        return ""
-    for value in space.values():
-        for each in (value, *_parts(value)):
-            fields = getattr(type(each), "_fields_and_field_types", None)
-            if type(each).__name__ == match[1] and isinstance(fields, dict):
-                return _fields(match[1], match[2], fields)
-    return ""
-
-
-def _wrong_field(error: BaseException) -> str:
-    """Say which field of a message that was published holds another type; "" if none does."""
-    trace, message = error.__traceback__, None
-    while trace is not None:
-        message = trace.tb_frame.f_locals.get("msg", message)
-        trace = trace.tb_next
-    return _field_that_is_wrong(message)
-
-
-def _field_that_is_wrong(message: Any) -> str:
-    fields = getattr(type(message), "_fields_and_field_types", None)
-    for name, kind in fields.items() if isinstance(fields, dict) else ():
-        value = getattr(message, name)
-        for part in value if isinstance(value, list) else [value]:
-            if said := _field_that_is_wrong(part):
-                return said
-        try:
-            type(message)(check_fields=True, **{name: value})
-        except AssertionError:
-            took = f"`{name}` of {type(message).__name__} takes {kind}"
-            return f"{took}, and was given {value!r:.40}: {TYPES}"
-    return ""
-
-
-def _parts(message: Any) -> list[Any]:
-    """Return the messages in a message."""
-    fields = getattr(type(message), "_fields_and_field_types", None)
-    return [getattr(message, name) for name in fields] if isinstance(fields, dict) else []
 
 
 def _has_module(package: ModuleType, name: str) -> bool:
@@ -452,7 +395,7 @@ def _own_attribute(owner: Any, name: str, *, by_itself: bool) -> str:
             f"nothing has given self.{name} a value yet: do so in __init__, before it is used "
             "and before anything can call back"
         )
-    return f"{_a(cls.__name__)} has no {name}"
+    return f"{with_article(cls.__name__)} has no {name}"
 
 
 def _locals(cls: type) -> set[str]:
@@ -469,10 +412,6 @@ def _is_given_somewhere(cls: type, name: str) -> bool:
         for code in codes
         for step in dis.get_instructions(code)
     )
-
-
-def _a(noun: str) -> str:
-    return f"{'an' if noun[:1].lower() in 'aeio' else 'a'} {noun}"
 
 
 def _self_in(error: Any) -> Any:

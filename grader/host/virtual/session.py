@@ -117,8 +117,7 @@ class Session(kernel_module.World):
         key = (note.kind, about, line)
         before = self._notes.get(key)
         if before is not None:
-            latest = note.kind == "waits" or note.lasted >= before.lasted
-            longest = note if latest else before
+            longest = note if note.lasted >= before.lasted else before
             note = msgspec.structs.replace(longest, count=before.count + note.count)
         if note != before and (before or len(self._notes) < MAX_NOTES):
             self._notes[key] = self._news[key] = note

@@ -6,7 +6,10 @@ field in `make test-long`.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import msgspec
 import pytest
@@ -18,9 +21,11 @@ from grader.course.exercises import Exercise, all_exercises
 from grader.errors import GraderError
 from grader.grading.grading import Grading, grade
 from grader.grading.plugin import FAIL, UNAVAILABLE, CheckResult
+from grader.host.frames import Note
 from grader.link.pool import ForkServerPool
 from grader.trial.kept import KeptRecordings
 from grader.trial.trials import SavedTrials
+from sim.scenario_files import load_scenario
 
 CLAIMS = {exercise.slug: list(claims(exercise)) for exercise in all_exercises()}
 RIGHT = [claim for every in CLAIMS.values() for claim in every if claim.kind == "reference"]
@@ -159,6 +164,21 @@ def test_what_a_missing_library_leaves_unproven_is_said(pair: Exercise) -> None:
         grading = graded(reference, answers="pass", asks=outcome)
         assert objections(reference, grading) == against
         assert unproven(reference, grading) == lacking
+
+
+def test_a_reference_is_told_nothing(pair: Exercise) -> None:
+    reference = Claim(pair, "reference", "server", {})
+    grading = graded(reference, answers="pass", asks="pass")
+    told: Any = SimpleNamespace(
+        name="plain", notes=[Note("waits", "ask", "server.py, line 3", time=10**9)],
+        ending=SimpleNamespace(problem="it goes on"), inferences=(),
+        scenario=load_scenario("avoid_wall"),
+    )  # fmt: skip
+    grading = replace(grading, recordings=(told,))
+    noted, ends = objections(reference, grading)
+    assert noted.startswith("is told: in plain, ask (server.py, line 3) waits there")
+    assert ends == "after Ctrl-C it goes on"
+    assert objections(Claim(pair, "variant", "server", {}), grading) == []
 
 
 def test_a_mutant_need_not_fail_what_can_not_be_judged(pair: Exercise) -> None:

@@ -5,6 +5,12 @@ import textwrap
 import pytest
 from node_runs import RunNode, short
 
+from grader.course.exercises import find_exercise
+from grader.course.submission import Submission
+from grader.link.hosts import ForkServer
+from grader.trial.virtual_time import run_trial
+from sim.scenario_files import load_scenario
+
 SPIN = """
 class Drives(Echo):
     def __init__(self):
@@ -159,3 +165,16 @@ def test_what_is_said_at_one_moment_stays_in_order(run_node: RunNode) -> None:
         f"{kind} {number}" for number in range(3) for kind in ("out", "log", "err", "in parts")
     ]
     assert [line.text for line in recording.log] == words
+
+
+def test_models_answer_on_after_the_end_and_it_is_not_in_the_record(
+    forkserver: ForkServer,
+) -> None:
+    exercise, scenario = find_exercise("slow_model"), load_scenario("slow_leader")
+    file = Submission(exercise.solutions / exercise.files[0])
+    with_end, without = (
+        run_trial(file, scenario, forkserver, interrupt=each) for each in (True, False)
+    )
+    assert with_end.ending is not None
+    assert with_end.ending.problem == ""
+    assert with_end.digest() == without.digest()

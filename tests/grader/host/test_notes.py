@@ -7,11 +7,16 @@ import msgspec
 import pytest
 from node_runs import PREAMBLE, short
 
+from grader.course.exercises import find_exercise
 from grader.course.submission import Submission, find_submission
+from grader.host.frames import Note
 from grader.link.hosts import ForkServer
-from grader.recording import growth_of
+from grader.recording import Outcome, growth_of
+from grader.trial.recorder import Recorder
 from grader.trial.virtual_time import run_trial
 from sim.scenario import Discovery, Faults
+from sim.scenario_files import load_scenario
+from sim.simulation import Simulation
 
 HEAD = f"""{PREAMBLE}
 from rclpy.lifecycle import LifecycleNode
@@ -148,3 +153,25 @@ def test_parameters_for_nobody(yaml: str, said: str, runtime: ForkServer, tmp_pa
     assert recording.outcome.completed, recording.outcome
     found = growth_of(recording)
     assert [said in line for line in found] == [True] * bool(said), found
+
+
+def test_who_asks_a_model_at_the_end_does_not_wait_for_good(forkserver: ForkServer) -> None:
+    exercise = find_exercise("latency_monitor")
+    scenario = msgspec.structs.replace(load_scenario("latency_clip"), duration=6.0)
+    file = Submission(exercise.solutions / exercise.files[0])
+    recording = run_trial(file, scenario, forkserver)
+    assert recording.inferences[-1].answered / 1e9 > 6.0
+    assert [note.kind for note in recording.notes if note.kind == "waits"] == []
+
+
+def test_a_note_is_of_the_students_files_and_true_at_the_end() -> None:
+    recorder, scenario = Recorder(), load_scenario("detect_silent_server")
+    kept = Note("threads", "ask", "detection_client.py, line 3", 39)
+    recorder.note([
+        kept,
+        Note("threads", "detect", "detection_double.py, line 3", 39),
+        Note("waits", "ask", "detection_client.py, line 4", 0, time=0, lasted=5 * 10**9),
+    ])  # fmt: skip
+    end = Outcome("completed", at=scenario.duration)
+    recording = recorder.freeze(Simulation(scenario), end)
+    assert recording.notes == (kept,)

@@ -27,7 +27,8 @@ from rclpy.qos import DurabilityPolicy, QoSPresetProfiles, QoSProfile
 from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Trigger
-from grader.host.plain_words import field_of, plain_words
+from grader.host.message_words import field_of
+from grader.host.plain_words import plain_words
 from grader.host.rules import RULES
 rclpy.init()
 class Agent(Node):

@@ -275,3 +275,11 @@ def test_a_client_that_hangs_leaves_the_server_its_points(
     outcomes = {check.id: check.outcome for check in grading.checks}
     assert outcomes["client_wiring"] == "fail"
     assert (outcomes["server_wiring"], outcomes["answers"]) == ("pass", "pass")
+
+
+def test_a_node_that_is_slow_is_not_run_by_the_clock(forkserver: ForkServer) -> None:
+    no_time = Limits(total=0.0)
+    with NodeTrials(Submission(REFERENCE), forkserver, limits=no_time) as trials:
+        recording = trials.get("avoid_wall")
+        assert (recording.outcome.kind, recording.live) == ("slow", None)
+        assert any("far longer than any solution's" in note for note in trials.notes())
