@@ -52,6 +52,15 @@ def test_what_is_not_allowed_is_said_with_what_was_expected(
     assert (caught.value.message, caught.value.actual, caught.value.at) == (message, actual, 1.0)
 
 
+@pytest.mark.parametrize(
+    ("topic", "help"), [("/cmd_vel", "Publish once"), ("/closing_speed", "What keeps it back")]
+)
+def test_of_what_did_not_come_no_number_is_explained(topic: str, help: str) -> None:
+    with pytest.raises(CheckFailed) as caught:
+        require_allowed(recording(), NEAR, "A wrong sign?", topic=topic)
+    assert caught.value.help.startswith(help)
+
+
 def test_an_answer_within_the_tolerance_is_right() -> None:
     require_allowed(recording(), said(NEAR, 0.0005))
 

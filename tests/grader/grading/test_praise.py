@@ -64,8 +64,9 @@ def test_a_turn_in_degrees_sways_and_passes(forkserver: ForkServer, tmp_path: Pa
     for source in (right, wrong):
         (tmp_path / third.files[0]).write_text(source, "utf-8")
         with NodeTrials(find_submission(tmp_path / third.files[0]), forkserver) as trials:
-            said.append(list(remarks_on([trials.get("goal_origin_to_5_3")])))
-    assert said[0] == []
+            driven = [trials.get(name) for name in ("goal_origin_to_5_3", "goal_turns")]
+            said.append(list(remarks_on(driven)))
+    assert said[0] == []  # though in goal_turns it is told other poses, and turns to both sides
     assert (
         "In goal_origin_to_5_3 the commands turned the robot from one side straight" in said[1][0]
     )

@@ -1,6 +1,7 @@
 """The SIGINT at the end of a run, as a person sends it, and what is said in which order."""
 
 import textwrap
+from pathlib import Path
 
 import pytest
 from node_runs import RunNode, short
@@ -168,12 +169,16 @@ def test_what_is_said_at_one_moment_stays_in_order(run_node: RunNode) -> None:
 
 
 def test_models_answer_on_after_the_end_and_it_is_not_in_the_record(
-    forkserver: ForkServer,
+    forkserver: ForkServer, tmp_path: Path
 ) -> None:
     exercise, scenario = find_exercise("slow_model"), load_scenario("slow_leader")
-    file = Submission(exercise.solutions / exercise.files[0])
+    right = (exercise.solutions / exercise.files[0]).read_text("utf-8")
+    asks = "        node.model.predict(np.ones((1, 5)))\n        rclpy.try_shutdown()\n"
+    assert right.count("        rclpy.try_shutdown()\n") == 1
+    file = tmp_path / exercise.files[0]
+    file.write_text(right.replace("        rclpy.try_shutdown()\n", asks), "utf-8")
     with_end, without = (
-        run_trial(file, scenario, forkserver, interrupt=each) for each in (True, False)
+        run_trial(Submission(file), scenario, forkserver, interrupt=each) for each in (True, False)
     )
     assert with_end.ending is not None
     assert with_end.ending.problem == ""

@@ -84,6 +84,7 @@ MEANT = {
     ),
     "import json; json.dumps(np.float32(1))": "not NumPy's",
     "raise TypeError('bad argument type for built-in operation')": "str(…) for a text",
+    "raise ValueError('expected features of shape (n, 5), got (1, 1, 5)')": "one bracket too many",
     "raise SystemError('<method publish> returned a result with an exception set')": "another type",
     "Duration() > 0.5": "duration.nanoseconds / 1e9",
     "b'\\x80'.decode()": "open(path, 'rb')",
