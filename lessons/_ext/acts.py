@@ -173,7 +173,7 @@ class Challenge(SphinxDirective):
 
 
 class LinkWhatIsSaid(SphinxPostTransform):
-    """Gives the quoted words an id, and turns `Said` into a link to them."""
+    """Turns `Said` into a link to the paragraph that has the quoted words."""
 
     default_priority = 6
     formats = ("html",)
@@ -182,18 +182,17 @@ class LinkWhatIsSaid(SphinxPostTransform):
         """Go through the page."""
         for number, said in enumerate(list(self.document.findall(Said))):
             words = re.escape(said["quote"]).replace("'", ".")  # which became curly
-            for text in self.document.findall(nodes.Text):
-                found = re.search(words, str(text))
-                if found is not None:
-                    break
-            else:
+            texts = self.document.findall(nodes.Text)
+            place: Any = next((text for text in texts if re.search(words, str(text))), None)
+            if place is None:
                 LOG.warning("the page does not say %r", said["quote"], location=self.env.docname)
                 said.parent.remove(said)
                 continue
-            before, after = str(text)[: found.start()], str(text)[found.end() :]
-            spot = nodes.inline("", found[0], ids=[f"said-{number}"], classes=["said-here"])
-            text.parent.replace(text, [nodes.Text(before), spot, nodes.Text(after)])
-            said.replace_self(raw(f'<a href="#said-{number}">The sentence that says so</a>'))
+            while isinstance(place, nodes.Text | nodes.Inline):
+                place = place.parent
+            place["ids"].append(f"said-{number}")
+            place["classes"].append("said-here")
+            said.replace_self(raw(f'<a href="#said-{number}">Where it says so</a>'))
 
 
 def add_scripts(app: Sphinx, _n: str, _t: str, _p: dict, doctree: nodes.document | None) -> None:

@@ -32,6 +32,7 @@ BY_HAND = {
     "-170°": "state: an example of an angle",
     "-340°": "state: an example of an angle",
     "20°": "state: an example of an angle",
+    "340°": "state: an example of an angle",
     "1 m/s": "state: the closing speed of the example's four readings",
 }
 # Numbers that stand in programs, as the contract has them.
