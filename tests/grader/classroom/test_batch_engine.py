@@ -43,6 +43,19 @@ def test_an_old_worker_is_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
         workers.close(now=False)
 
 
+def test_workers_import_nothing_from_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("runpy", "random", "socket", "pickle", "tempfile"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('a student')")
+    monkeypatch.chdir(tmp_path)
+    workers = LocalWorkers(1)
+    try:
+        assert workers.submit(os.getpid).result() != os.getpid()
+    finally:
+        workers.close(now=True)
+
+
 def test_workers_end_with_a_killed_parent(tmp_path: Path) -> None:
     """The pipe to the parent's stdout is the worker's too: it ends when both are gone."""
     script = tmp_path / "parent.py"
