@@ -1,18 +1,21 @@
 """Local workers: they are replaced when they die or grow old, and end with their parent."""
 
+import io
 import os
 import subprocess
 import sys
+import tarfile
 from concurrent.futures import BrokenExecutor
 from pathlib import Path
 
 import pytest
 
-from grader.classroom import engine
+from grader.classroom import engine, work
 from grader.classroom.engine import LocalWorkers
 
 ROOT = Path(__file__).resolve().parents[3]
 PARENT = """\
+import io
 import os
 from grader.classroom.engine import LocalWorkers
 
@@ -66,3 +69,14 @@ def test_workers_end_with_a_killed_parent(tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.returncode == -9
     assert int(done.stdout) > 0  # and here nobody holds the pipe any more
+
+
+def test_of_a_floods_recordings_the_last_stay_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(work, "MOST_SENT", 100)
+    for name, size in (("a", 60), ("b", 50), ("c", 1)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "bag").write_bytes(bytes(size))
+    with tarfile.open(fileobj=io.BytesIO(work._packed(tmp_path))) as archive:
+        assert archive.getnames() == ["a", "a/bag"]
