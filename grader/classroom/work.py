@@ -61,7 +61,7 @@ class UnitResult:
     grading: dict[str, Any] | None
     problem: str = ""  # why there is no grading; never the student's fault
     disk_full: bool = False  # that is why
-    bags: bytes = b""  # a tar file, if the unit named no folder
+    bags: bytes = b""  # a tar file, if the unit named no folder; b"": too large
     wall_s: float = 0.0  # [s]
 
 
@@ -134,13 +134,12 @@ def _portable(grading: dict[str, Any]) -> dict[str, Any]:
 
 
 def _packed(folder: Path) -> bytes:
-    """Return the recordings as a tar file; the last of a flood, which nobody needs, are left out."""
-    stream, left = io.BytesIO(), MOST_SENT
+    """Return the recordings as a tar file; nothing of a flood's."""
+    if sum(path.stat().st_size for path in folder.rglob("*")) > MOST_SENT:
+        return b""
+    stream = io.BytesIO()
     with tarfile.open(fileobj=stream, mode="w:gz", compresslevel=1) as archive:
-        for bag in sorted(folder.iterdir()):
-            left -= sum(file.stat().st_size for file in bag.iterdir())
-            if left >= 0:
-                archive.add(bag, arcname=bag.name)
+        archive.add(folder, arcname=".")
     return stream.getvalue()
 
 

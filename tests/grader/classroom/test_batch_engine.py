@@ -71,12 +71,11 @@ def test_workers_end_with_a_killed_parent(tmp_path: Path) -> None:
     assert int(done.stdout) > 0  # and here nobody holds the pipe any more
 
 
-def test_of_a_floods_recordings_the_last_stay_behind(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(work, "MOST_SENT", 100)
-    for name, size in (("a", 60), ("b", 50), ("c", 1)):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "bag").write_bytes(bytes(size))
+def test_of_a_floods_recordings_none_are_sent(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    bag.touch()
+    os.truncate(bag, work.MOST_SENT // 2)
     with tarfile.open(fileobj=io.BytesIO(work._packed(tmp_path))) as archive:
-        assert archive.getnames() == ["a", "a/bag"]
+        assert archive.getnames() == [".", "./bag"]
+    os.truncate(bag, work.MOST_SENT + 1)
+    assert work._packed(tmp_path) == b""
