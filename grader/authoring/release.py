@@ -213,7 +213,11 @@ def contents(
             continue  # its site goes out
         for file in _walk(root / room):
             path = file.relative_to(root).as_posix()
-            if _is_kept(file, suffixes) and _is_public(path, left_out, rooms) and path not in unknown:
+            if (
+                _is_kept(file, suffixes)
+                and _is_public(path, left_out, rooms)
+                and path not in unknown
+            ):
                 found[path] = file.read_bytes()
     if QUIZ in found:
         found[QUIZ] = questions(found[QUIZ].decode("utf-8")).encode()

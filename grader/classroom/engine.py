@@ -184,9 +184,7 @@ Workers = LocalWorkers | DaskWorkers
 
 
 def _one_process() -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(
-        1, own_processes(), _begin_worker, max_tasks_per_child=MAX_UNITS
-    )
+    return ProcessPoolExecutor(1, own_processes(), _begin_worker, max_tasks_per_child=MAX_UNITS)
 
 
 def _begin_worker() -> None:

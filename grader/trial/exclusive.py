@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import os
 import threading
 from collections.abc import Iterator
-from pathlib import Path
-from typing import BinaryIO
 
 MOST = 64  # trials at once: more than ever run
 
@@ -24,7 +23,7 @@ class TrialLock:
         self.entering = threading.Lock()
         self._leaving = threading.Lock()
         self._inside = 0
-        self._machine: BinaryIO | None = None
+        self._machine: int | None = None  # a descriptor that holds it
 
     @contextlib.contextmanager
     def held(self, *, alone: bool, shared_network: bool = False) -> Iterator[None]:
@@ -35,7 +34,7 @@ class TrialLock:
                 self._places.acquire()
             with self._leaving:
                 if shared_network and not self._inside:
-                    self._machine = Path(__file__).open("rb")
+                    self._machine = os.open(__file__, os.O_RDONLY | os.O_CLOEXEC)
                     fcntl.flock(self._machine, fcntl.LOCK_EX)
                 self._inside += 1
         try:
@@ -44,7 +43,8 @@ class TrialLock:
             with self._leaving:
                 self._inside -= 1
                 if self._machine is not None and not self._inside:
-                    self._machine.close()
+                    os.close(self._machine)
+                    self._machine = None
             self._places.release(places)
 
 
