@@ -97,7 +97,7 @@ def test_nothing_is_written_through_a_link(root: Path, tmp_path: Path, place: st
     (root / place).parent.mkdir(parents=True, exist_ok=True)
     (root / place).symlink_to(tmp_path / "elsewhere")
     before = files(root)
-    with pytest.raises(InputError, match="expected no link there; it leads to .*elsewhere"):
+    with pytest.raises(InputError, match=r"expected no link there; it leads to .*elsewhere"):
         scaffold("give_way", root)
     assert files(root) == before
     assert not (tmp_path / "elsewhere").exists()
