@@ -239,7 +239,7 @@ def drafts(root: Path = ROOT) -> list[str]:
 
 def _unknown_to_git(root: Path) -> set[str]:
     """Return the files of a checkout that nobody has added; none where it is no checkout."""
-    command = ["git", "-C", root, "ls-files", "-z", "--others", "--", *KEPT]
+    command = ["git", "-C", str(root), "ls-files", "-z", "--others", "--", *KEPT]
     if not (root / ".git").exists() or shutil.which("git") is None:
         return set()
     done = subprocess.run(command, capture_output=True, check=False)
