@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -70,14 +71,29 @@ def stage(target: Path) -> None:
     _unpack_rclpy()
     package = target / PACKAGE
     shutil.copytree(ROOT / ".ci" / "one_package", package, ignore=LEFT_OUT)
+    drafts = _drafts()
     for folder in FOLDERS:
-        shutil.copytree(ROOT / folder, package / folder, ignore=LEFT_OUT)
+        shutil.copytree(
+            ROOT / folder, package / folder,
+            ignore=lambda place, names: LEFT_OUT(place, names)
+            | {name for name in names if Path(place, name) in drafts},
+        )  # fmt: skip
     for file in FILES:
         shutil.copy(ROOT / file, package)
     for file in ("README.md", "LICENSE"):
         shutil.copy(ROOT / file, target)
     about = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
     (target / "pyproject.toml").write_text(project(about["project"]), "utf-8")
+
+
+def _drafts() -> set[Path]:
+    """Return the files of a checkout that nobody has added to git: they stay with their owner."""
+    command = ["git", "-C", ROOT, "ls-files", "-z", "--others", "--", *FOLDERS]
+    if not (ROOT / ".git").exists() or shutil.which("git") is None:
+        return set()
+    done = subprocess.run(command, capture_output=True, check=False)
+    return {ROOT / os.fsdecode(name) for name in done.stdout.split(b"\0")
+            if not name.startswith(b"rclpy_portable/_ros/")}  # fmt: skip
 
 
 def _unpack_rclpy() -> None:

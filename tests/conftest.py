@@ -38,6 +38,13 @@ def nobodys_state(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True)
+def any_path() -> Iterator[None]:
+    """Take back what a batch leaves in this process: programs of other tests import their own."""
+    yield
+    os.environ.pop("PYTHONSAFEPATH", None)
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int | None:
     """Run three workers on two CPUs: one of them waits for a robot, a process or a browser."""

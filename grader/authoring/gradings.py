@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-import multiprocessing
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -13,6 +12,7 @@ from functools import cache, partial
 from grader.authoring.claims import Claim, grade_claim
 from grader.grading.grading import Grading
 from grader.host.sandbox.kernel_filters import die_with_parent
+from grader.link.interpreter import own_processes
 from grader.link.pool import ForkServerPool
 from grader.trial.kept import KeptRecordings
 
@@ -43,11 +43,12 @@ def gradings(
         Recordings of earlier runs.
     """
     graded = partial(_graded, first_failure=first_failure, kept=kept)
-    context = multiprocessing.get_context("spawn")
     suspects = suspects or [""] * len(claims)
     at_once = PER_PROCESS * workers
     for begin in range(0, len(claims), at_once):
-        with ProcessPoolExecutor(workers, context, die_with_parent, (os.getpid(),)) as processes:
+        with ProcessPoolExecutor(
+            workers, own_processes(), die_with_parent, (os.getpid(),)
+        ) as processes:
             yield from processes.map(
                 graded, claims[begin : begin + at_once], suspects[begin : begin + at_once]
             )

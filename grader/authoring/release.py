@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import subprocess
 import tempfile
 import zipfile
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -206,12 +207,17 @@ def contents(
     known = [exercise.slug for exercise in all_exercises()]
     left_out = {slug for slug in known if exercises and slug not in exercises}
     found = {path: (root / path).read_bytes() for path in SINGLE if (root / path).is_file()}
+    unknown = _unknown_to_git(root)
     for room, suffixes in KEPT.items():
         if make is not None and room == LESSONS:
             continue  # its site goes out
         for file in _walk(root / room):
             path = file.relative_to(root).as_posix()
-            if _is_kept(file, suffixes) and _is_public(path, left_out, rooms):
+            if (
+                _is_kept(file, suffixes)
+                and _is_public(path, left_out, rooms)
+                and path not in unknown
+            ):
                 found[path] = file.read_bytes()
     if QUIZ in found:
         found[QUIZ] = questions(found[QUIZ].decode("utf-8")).encode()
@@ -221,6 +227,23 @@ def contents(
     found["course_setup.py"] = SETUP.encode()
     found["README.md"] = _readme(left_out, plain=make is None).encode()
     return dict(sorted(found.items()))
+
+
+def drafts(root: Path = ROOT) -> list[str]:
+    """Return the files that would be released if somebody had added them to git."""
+    unknown = _unknown_to_git(root)
+    found = (each.relative_to(root).as_posix() for room, suffixes in KEPT.items()
+             for each in _walk(root / room) if _is_kept(each, suffixes))  # fmt: skip
+    return [path for path in found if path in unknown and _is_public(path, set(), ())]
+
+
+def _unknown_to_git(root: Path) -> set[str]:
+    """Return the files of a checkout that nobody has added; none where it is no checkout."""
+    command = ["git", "-C", str(root), "ls-files", "-z", "--others", "--", *KEPT]
+    if not (root / ".git").exists() or shutil.which("git") is None:
+        return set()
+    done = subprocess.run(command, capture_output=True, check=False)
+    return set(done.stdout.decode("utf-8", "surrogateescape").split("\0"))
 
 
 def questions(quiz: str) -> str:

@@ -27,6 +27,7 @@ from typing import Any
 from grader.classroom.work import Unit, UnitResult, grade_unit
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import isolation_problem
+from grader.link.interpreter import own_processes
 
 DASK_RETRIES = 2
 MAX_UNITS = 100  # of a local worker, which is then replaced, so that no leak adds up
@@ -183,9 +184,7 @@ Workers = LocalWorkers | DaskWorkers
 
 
 def _one_process() -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(
-        1, multiprocessing.get_context("spawn"), _begin_worker, max_tasks_per_child=MAX_UNITS
-    )
+    return ProcessPoolExecutor(1, own_processes(), _begin_worker, max_tasks_per_child=MAX_UNITS)
 
 
 def _begin_worker() -> None:

@@ -216,7 +216,8 @@ class GradingRun:
 
     def _store_bags(self, unit: Unit, result: UnitResult) -> str | None:
         """Move the recordings to their place, which comes before the result is stored."""
-        if not self._options.bags or result.grading is None:
+        sent = unit.bag_folder or result.bags
+        if not self._options.bags or result.grading is None or not sent:
             return None
         place = self._out / RECORDINGS / unit.student / unit.exercise
         part = Path(unit.bag_folder) if unit.bag_folder else self._unpacked(result.bags)

@@ -57,6 +57,7 @@ def release(
     from grader.authoring import github  # noqa: PLC0415
     from grader.authoring.carried import built_wheel, carried, what_lacks  # noqa: PLC0415
     from grader.authoring.handouts import handouts, stay_behind  # noqa: PLC0415
+    from grader.authoring.release import drafts  # noqa: PLC0415
     from grader.authoring.release import release as make_release  # noqa: PLC0415
     from grader.course.exercises import all_exercises, find_exercise  # noqa: PLC0415
 
@@ -74,6 +75,8 @@ def release(
     released = [each for each in all_exercises() if not slugs or each.slug in slugs]
     more = github.files(released) if classroom else {}
     found = make_release(folder, exercises=slugs, archive=student_package, make=make, more=more)
+    for draft in drafts():
+        echo(f"Note: {draft} stays here: git does not know it.", err=True)
     for leak in found:
         echo(f"Note: {leak}; hand it out after that exercise (--exercise).", err=True)
     left_out = {e.slug for e in all_exercises()} - {e.slug for e in released}

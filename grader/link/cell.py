@@ -117,8 +117,10 @@ def read_in_cell(
         if sys.platform != "linux":  # where nothing of other people's is graded
             given = (each for each in (opened, room) if each is not None)
             return _directly(work, (*given, *arguments))
+        module = sys.modules[work.__module__]
         request = _Request(
-            work.__module__, work.__qualname__, limits, file is not None, room is not None,
+            module.__spec__.name if module.__spec__ else module.__name__,  # not "__main__"
+            work.__qualname__, limits, file is not None, room is not None,
             msgspec.Raw(msgspec.msgpack.encode(arguments)),
         )  # fmt: skip
         fds = [] if opened is None else [opened.fileno()]

@@ -144,7 +144,6 @@ class PracticeHost:
     def __init__(self, command: Sequence[str], environment: Mapping[str, str]) -> None:
         self._printed = Path(tempfile.mkdtemp(prefix=f"course-{os.getpid()}-"))
         self._files = {n: self._printed / n for n in ("stdout", "stderr")}
-        self._taken = dict.fromkeys(self._files, 0)  # [bytes] of each
         self.stdout, self.stderr = map(Output, self._files)
         with self._files["stderr"].open("wb") as stderr:
             self._process = subprocess.Popen(
@@ -155,6 +154,9 @@ class PracticeHost:
                 env=dict(environment),
                 cwd=self._printed,
             )
+        # opened before the node is there, which may put a pipe or a link in a file's place
+        self._files["stdout"].touch()
+        self._ours = {n: path.open("rb") for n, path in self._files.items()}
         assert self._process.stdin is not None and self._process.stdout is not None
         self._said: queue.Queue[bytes | HostForged | None] = queue.Queue()
         self._orders: queue.Queue[bytes | None] = queue.Queue()
@@ -192,14 +194,11 @@ class PracticeHost:
     def read_output(self) -> None:
         """Take in what it has printed, up to `MOST_PRINTED`; HostForged if there is more."""
         for output in (self.stdout, self.stderr):
-            path = self._files[output.stream]
-            with contextlib.suppress(FileNotFoundError), path.open("rb") as file:
-                if path.stat().st_size > MOST_PRINTED:
-                    raise HostForged(f"more than {MOST_PRINTED:,} bytes of output")
-                file.seek(self._taken[output.stream])
-                while data := file.read(MAX_OUTPUT):
-                    self._taken[output.stream] += len(data)
-                    output.feed(data)
+            file = self._ours[output.stream]
+            if os.fstat(file.fileno()).st_size > MOST_PRINTED:
+                raise HostForged(f"more than {MOST_PRINTED:,} bytes of output")
+            while data := file.read(MAX_OUTPUT):
+                output.feed(data)
 
     def log(self) -> tuple[LogLine, ...]:
         """Return what it has printed so far, in order of time."""
@@ -222,7 +221,8 @@ class PracticeHost:
         """End it, and what is left of it."""
         self.wait()
         self._orders.put(None)
-        for path in self._files.values():
+        for name, path in self._files.items():
+            self._ours[name].close()
             with contextlib.suppress(OSError):
                 path.unlink()
         with contextlib.suppress(OSError):
@@ -263,5 +263,5 @@ class PracticeHost:
                 pipe.flush()
 
     def _last_words(self) -> str:
-        lines = self._files["stderr"].read_text("utf-8", "replace").strip().splitlines()
+        lines = self._ours["stderr"].read().decode("utf-8", "replace").strip().splitlines()
         return lines[-1] if lines else "it said nothing"

@@ -63,8 +63,11 @@ def remove(top: Path) -> None:
     """Remove a folder with everything that a student's node put into it.
 
     Folders are moved to the top before they are emptied: they may be nested deeper than the
-    longest path, or Python's stack, allows.
+    longest path, or Python's stack, allows. A link in the place of the folder leads nowhere.
     """
+    if top.is_symlink():
+        top.unlink()
+        return
     pending = [top]
     while pending:
         folder = pending.pop()

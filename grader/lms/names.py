@@ -18,10 +18,13 @@ COPIED = re.compile(r"(?:\s*\((\d+)\)|-(\d+)|\s+-?\s*copy)$", re.IGNORECASE)
 
 
 def student_id(name: str) -> str:
-    """Return a name that looks the same and is safe for a folder: NFC, no separators, no dots."""
+    """Return a name that looks the same and is safe for a folder: NFC, no separators, no dots.
+
+    It begins with no dash, lest `tar *` among such folders take one for an option.
+    """
     text = unicodedata.normalize("NFC", name.encode("utf-8", "replace").decode("utf-8"))
     text = "".join(c if c.isprintable() and c not in '/\\:*?"<>|' else "_" for c in text)
-    text = text.strip(" .")[:MAX_NAME].strip(" .")
+    text = text.strip(" .").lstrip(" .-")[:MAX_NAME].strip(" .")
     while len(text.encode()) > 200:  # a file system counts bytes
         text = text[:-1]
     return f"_{text}" if RESERVED.fullmatch(text) else text or "unnamed"

@@ -11,6 +11,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -74,10 +75,22 @@ def read_roster(files: Sequence[Path]) -> Roster:
     for file in files:
         kind, header, every, english = _read(file)
         rows = [row for row in every if _is_person(kind, header, row)]
-        places = _merge(people, [_person(kind, english or header, row) for row in rows], file)
+        found = [_person(kind, english or header, row) for row in rows]
+        places = _merge(people, _typed_once(found) if kind == "gradescope" else found, file)
         possible = _possible(header, every)
         sheets.append(Sheet(file, kind, header, tuple(rows), places, possible, english))
     return Roster(tuple(people), tuple(sheets))
+
+
+def _typed_once(people: Sequence[Person]) -> list[Person]:
+    """Leave out numbers that two have: students type them there, and an address tells who it is."""
+    count = Counter(person.ids.get(SIS, "").casefold() for person in people)
+    twice = {number for number, many in count.items() if many > 1}
+    return [
+        replace(person, ids={kind: id_ for kind, id_ in person.ids.items() if kind != SIS})
+        if EMAIL in person.ids and person.ids.get(SIS, "").casefold() in twice else person
+        for person in people
+    ]  # fmt: skip
 
 
 def _merge(people: list[Person], found: Sequence[Person], file: Path) -> tuple[int, ...]:

@@ -66,6 +66,7 @@ class Exporter:
     def _started(self) -> subprocess.Popen[str]:
         if self._process is None:
             environment = {**os.environ, **NO_GPU, **LEARNING, "OMP_NUM_THREADS": "1"}
+            environment.pop("PYTHONSAFEPATH", None)  # ROOT is on its path
             self._process = subprocess.Popen(
                 COMMAND,
                 stdin=subprocess.PIPE,

@@ -15,6 +15,7 @@ import msgspec
 
 from grader.course.submission import Submission
 from grader.host.frames import MAX_NAME, Delivery, Note
+from grader.host.sandbox.layers import NETWORK
 from grader.host.sandbox.users import priority
 from grader.link import real_clock
 from grader.link.domains import own_domain
@@ -81,13 +82,14 @@ def run_live_trial(
     GraderError
         The grader or the machine failed; nothing can be said of the submission.
     """
+    shared = NETWORK not in forkserver.live.layers
     for attempt in range(ATTEMPTS):
         simulation = Simulation(scenario, seed)
         problem = not_runnable(submission, scenario)
         if problem is not None:
             return not_run(simulation, problem)
         with (
-            TRIAL_LOCK.held(alone=attempt > 0),
+            TRIAL_LOCK.held(alone=attempt > 0, shared_network=shared),
             stage(submission, scenario, files=files) as staged,
             own_domain() as domain,
         ):

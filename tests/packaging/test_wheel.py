@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import subprocess
 import sys
@@ -42,6 +43,21 @@ def test_it_is_one_package_for_every_system(wheel: Path) -> None:
     assert not [name for name in rest if "solutions/" in name or "tests/" in name]
     assert inside + "grader/models/practice.npz" in names
     assert inside + "grader/models/expert.py" not in names  # it lies beside students' notebooks
+
+
+def test_what_nobody_has_added_to_git_is_not_in_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(ROOT / ".ci")
+    backend = importlib.import_module("course_backend")
+    monkeypatch.setattr(backend, "ROOT", tmp_path)
+    for name in ("known", "draft"):
+        (tmp_path / "sim").mkdir(exist_ok=True)
+        (tmp_path / "sim" / name).touch()
+    for command in (["init", "--quiet"], ["add", "sim/known"]):
+        subprocess.run(["git", "-C", tmp_path, *command], check=True)
+    assert tmp_path / "sim" / "draft" in backend._drafts()
+    assert tmp_path / "sim" / "known" not in backend._drafts()
 
 
 @pytest.mark.long

@@ -60,6 +60,11 @@ def scaffold(name: str, root: Path = ROOT) -> Made:
     for path in new:
         if (root / path).exists():
             raise InputError(f"{path} is there already; choose another name")
+    for path in new | edited:
+        if (root / path).resolve() != root.resolve() / path:
+            raise InputError(
+                f"{path}: expected no link there; it leads to {(root / path).resolve()}"
+            )
     for path, text in (new | edited).items():
         (root / path).parent.mkdir(parents=True, exist_ok=True)
         (root / path).write_text(text, "utf-8")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import multiprocessing
 import shutil
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
@@ -22,6 +21,7 @@ from grader.classroom.results.page import render
 from grader.classroom.results.scores import book_of, scores_csv
 from grader.classroom.row import StoredResult, as_graded
 from grader.errors import GraderError, is_disk_full
+from grader.link.interpreter import own_processes
 from grader.lms import PLATFORMS
 from grader.lms.book import Book, Task
 from grader.lms.clean import one_line
@@ -181,7 +181,7 @@ def _made(results: Results, tasks: Tasks, options: ResultOptions, out: Path) -> 
         return
     # spawned: this process may have threads, of Dask or the progress bar
     try:
-        with ProcessPoolExecutor(options.workers, multiprocessing.get_context("spawn")) as pool:
+        with ProcessPoolExecutor(options.workers, own_processes()) as pool:
             yield from pool.map(make, students)
     except BrokenExecutor:
         raise GraderError(ENDED.format(out=out)) from None

@@ -17,7 +17,7 @@ import pytest
 
 from grader.authoring import handouts
 from grader.authoring.leaks import leaks
-from grader.authoring.release import _walk, contents, questions, release
+from grader.authoring.release import _walk, contents, drafts, questions, release
 from grader.course.exercises import ROOT, all_exercises
 from grader.errors import GraderError, InputError
 from sim.scenario_files import EXTENDS, scenario_names
@@ -278,3 +278,16 @@ def test_the_package_grades_a_skeleton(released: Path) -> None:
     assert "grade" in help_
     assert "autograde" not in help_
     assert "release" not in help_
+
+
+def test_what_nobody_has_added_to_git_stays_with_the_instructor(tmp_path: Path) -> None:
+    for name in ("sim/scenarios/exam.toml", "grader/known.py", "sim/scenarios/known.toml"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("")
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    for command in (["init", "--quiet"], ["add", "grader", "sim/scenarios/known.toml"]):
+        subprocess.run(["git", "-C", tmp_path, *command], check=True)
+    files = contents(root=tmp_path)
+    assert {"grader/known.py", "sim/scenarios/known.toml"} <= set(files)
+    assert "sim/scenarios/exam.toml" not in files
+    assert drafts(tmp_path) == ["sim/scenarios/exam.toml"]

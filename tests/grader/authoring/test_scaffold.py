@@ -92,6 +92,17 @@ def test_nothing_is_written_if_something_is_in_its_way(root: Path) -> None:
     assert files(root) == before
 
 
+@pytest.mark.parametrize("place", ["solutions/give_way", "exercises/give_way/README.md"])
+def test_nothing_is_written_through_a_link(root: Path, tmp_path: Path, place: str) -> None:
+    (root / place).parent.mkdir(parents=True, exist_ok=True)
+    (root / place).symlink_to(tmp_path / "elsewhere")
+    before = files(root)
+    with pytest.raises(InputError, match=r"expected no link there; it leads to .*elsewhere"):
+        scaffold("give_way", root)
+    assert files(root) == before
+    assert not (tmp_path / "elsewhere").exists()
+
+
 def test_what_cannot_be_generated_is_said(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "GENERATED", ("no_such_module",))
     with pytest.raises(GraderError, match=r"python -m no_such_module: .*No module named"):

@@ -1,18 +1,21 @@
 """Local workers: they are replaced when they die or grow old, and end with their parent."""
 
+import io
 import os
 import subprocess
 import sys
+import tarfile
 from concurrent.futures import BrokenExecutor
 from pathlib import Path
 
 import pytest
 
-from grader.classroom import engine
+from grader.classroom import engine, work
 from grader.classroom.engine import LocalWorkers
 
 ROOT = Path(__file__).resolve().parents[3]
 PARENT = """\
+import io
 import os
 from grader.classroom.engine import LocalWorkers
 
@@ -43,6 +46,19 @@ def test_an_old_worker_is_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
         workers.close(now=False)
 
 
+def test_workers_import_nothing_from_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("runpy", "random", "socket", "pickle", "tempfile"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('a student')")
+    monkeypatch.chdir(tmp_path)
+    workers = LocalWorkers(1)
+    try:
+        assert workers.submit(os.getpid).result() != os.getpid()
+    finally:
+        workers.close(now=True)
+
+
 def test_workers_end_with_a_killed_parent(tmp_path: Path) -> None:
     """The pipe to the parent's stdout is the worker's too: it ends when both are gone."""
     script = tmp_path / "parent.py"
@@ -53,3 +69,13 @@ def test_workers_end_with_a_killed_parent(tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.returncode == -9
     assert int(done.stdout) > 0  # and here nobody holds the pipe any more
+
+
+def test_of_a_floods_recordings_none_are_sent(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    bag.touch()
+    os.truncate(bag, work.MOST_SENT // 2)
+    with tarfile.open(fileobj=io.BytesIO(work._packed(tmp_path))) as archive:
+        assert archive.getnames() == [".", "./bag"]
+    os.truncate(bag, work.MOST_SENT + 1)
+    assert work._packed(tmp_path) == b""

@@ -98,6 +98,7 @@ def test_folders_and_archives_are_students(handed_in: Path) -> None:
         ("\udcff", "?"),
         ("x" * 300, "x" * 80),
         ("aux", "_aux"),
+        ("--checkpoint-action=exec=x", "checkpoint-action=exec=x"),
     ],
 )
 def test_ids_are_safe(name: str, expected: str) -> None:

@@ -120,6 +120,13 @@ def test_ids_and_names_that_disagree_are_a_persons_to_decide(tmp_path: Path) -> 
     assert [person.name for person in again.may_be] == ["Carla Lee"]  # a second repository
 
 
+def test_a_number_typed_like_a_classmates_stops_nobody(tmp_path: Path) -> None:
+    names = "Name,SID,Email\nAnn Lee,12,ann@x\nBo Fox,12,bo@x\nCy,13,cy@x\n"
+    roster = read(tmp_path, names)
+    assert [person.key for person in roster.people] == ["email:ann@x", "email:bo@x", "sis:13"]
+    assert roster.match("gradescope", "Ann Lee", "12", "ann@x").people == roster.people[:1]
+
+
 def test_canvas_with_first_and_last_names(tmp_path: Path) -> None:
     text = 'LastName,FirstName,ID,Section\nLee,Ann,1,A\n"=""=Cmd""",,2,A\n'
     assert [person.label for person in read(tmp_path, text).people] == ["Ann Lee", "=Cmd"]

@@ -73,6 +73,22 @@ def test_a_program_that_ends_says_how(server: PracticeServer, tmp_path: Path) ->
     )  # fmt: skip
 
 
+def test_what_a_node_puts_in_the_place_of_its_output_is_not_read(
+    server: PracticeServer, tmp_path: Path
+) -> None:
+    source = """import os
+print("before", flush=True)
+for number, put in ((1, os.mkfifo), (2, lambda path: os.symlink("/dev/zero", path))):
+    path = os.readlink(f"/proc/self/fd/{number}")
+    os.unlink(path)
+    put(path)
+"""
+    with server.host(tmp_path) as link:
+        answer, _ = link.run(start_of(tmp_path, source), LIMIT)
+        assert isinstance(answer, Ended)
+        assert [line.text for line in link.log()] == ["before"]
+
+
 def test_a_process_that_goes_is_gone_and_one_that_says_nothing_hangs(
     server: PracticeServer, tmp_path: Path
 ) -> None:

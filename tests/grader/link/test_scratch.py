@@ -48,3 +48,13 @@ def test_everything_else_stays(place: Path) -> None:
 
         assert own.is_dir()
         assert sorted(place.rglob("*")) == before
+
+
+def test_a_link_in_the_place_of_the_folder_is_not_followed(tmp_path: Path) -> None:
+    (tmp_path / "others").mkdir()
+    (tmp_path / "others" / "kept").write_text("not the node's")
+    with scratch.fresh_folder() as folder:
+        folder.rmdir()
+        folder.symlink_to(tmp_path / "others")
+    assert (tmp_path / "others" / "kept").exists()
+    assert not folder.is_symlink()
