@@ -288,6 +288,8 @@ def _says_nothing(function: Any) -> bool:
     returned = [node.value for node in own if isinstance(node, ast.Return)]
     odd = isinstance(function, ast.AsyncFunctionDef) or function.decorator_list
     odd = odd or any(isinstance(node, ast.Yield | ast.YieldFrom | ast.Raise) for node in own)
+    last = function.body[-1]  # `return None` at the end, as in a skeleton, means it
+    odd = odd or (isinstance(last, ast.Return) and last.value is not None)
     empty = all(isinstance(node, ast.Expr | ast.Pass) for node in function.body[:2])
     return not (odd or (empty and len(function.body) <= 2)) and all(map(_is_none, returned))
 

@@ -25,6 +25,7 @@ SLIPS = {  # a program: what is said
     "self.near",
     "class A:\n    def stop(self): return 1\n    def f(self): self.stop = True": "hides the",
     "def f(x):\n    y = x + 1\nspeed = f(2)": "f returns None only",
+    "def f(x):\n    if x: return None\n    y = x\nspeed = f(2)": "f returns None only",
     "class A:\n    def f(self):\n        return\n    def g(self): return 1 + self.f()":
     "f returns None",
     "def f(x):\n    y = x\nThread(target=f(2)).start()": "f is called here",
@@ -70,6 +71,7 @@ NONE = (  # what may be meant
     "def f(y):\n    for x in y:\n        n.append(x)\n    return n",
     "def f(y):\n    for x in y:\n        n = 1\n        n += x\n        return n",
     "class A:\n    def wait(self): self.x = 1\ndef f(wait):\n    y = wait()",
+    "def load(path):\n    print(path)\n    return None\nmodel = load('a')",
 )
 
 
