@@ -39,10 +39,10 @@ class LiveParametersAgent(Node):
 
     def __init__(self) -> None:
         super().__init__("live_parameters_agent")
-        # TODO(task 5): have self.check asked before a parameter is set, and before it is declared.
-        for name, (default, least, greatest, meaning) in PARAMETERS.items():
+        # TODO(task 5): have self.check asked before any value is set, the first ones, too.
+        for name, about in PARAMETERS.items():
             # TODO(task 2): a descriptor with the meaning and the range, least to greatest.
-            self.declare_parameter(name, default)
+            self.declare_parameter(name, about[0])
         self.cmd_vel_publisher = self.create_publisher(Twist, "/cmd_vel", 10)
         # TODO(task 1): a subscription to LaserScan on /scan that calls self.scan_callback.
 

@@ -56,16 +56,17 @@ class LiveParametersAgent(Node):
         # Before the first declaration: so the values of the command line are checked, too.
         self.add_on_set_parameters_callback(self.check)
         ### SKELETON
-        # # TODO(task 5): have self.check asked before a parameter is set, and before it is declared.
+        # # TODO(task 5): have self.check asked before any value is set, the first ones, too.
         ### END SOLUTION
-        for name, (default, least, greatest, meaning) in PARAMETERS.items():
+        for name, about in PARAMETERS.items():
             ### BEGIN SOLUTION
+            default, least, greatest, meaning = about
             span = FloatingPointRange(from_value=least, to_value=greatest)
             descriptor = ParameterDescriptor(description=meaning, floating_point_range=[span])
             self.declare_parameter(name, default, descriptor)
             ### SKELETON
             # # TODO(task 2): a descriptor with the meaning and the range, least to greatest.
-            # self.declare_parameter(name, default)
+            # self.declare_parameter(name, about[0])
             ### END SOLUTION
         self.cmd_vel_publisher = self.create_publisher(Twist, "/cmd_vel", 10)
         ### BEGIN SOLUTION

@@ -8,19 +8,19 @@ refuse      somebody sets what may not: the answer is no, with a reason
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from grader.checks.ahead import HAIR, front_distances
-from grader.checks.case import Case, Interval, Runs, answered, exactly
+from grader.checks.case import Allowed, Case, Interval, Runs, answered, exactly
 from grader.checks.commands import answers
 from grader.checks.contract import Contract, Survived, free_from
 from grader.checks.parameters import Order, orders
 from grader.checks.words import follows
 from grader.recording import Recording, Scan
 
+Settings = dict[str, float | str]
 RANGES = {"cruise_speed": (0.0, 0.5), "stop_distance": (0.3, 2.0), "slow_distance": (0.3, 4.0)}
-DEFAULTS = {"cruise_speed": 0.3, "stop_distance": 0.5, "slow_distance": 1.0}
+DEFAULTS: Settings = {"cruise_speed": 0.3, "stop_distance": 0.5, "slow_distance": 1.0}
 NEAREST = 0.3  # [m] nearer than this it stands, whatever the parameters say
 DOUBLE = 3  # of rcl_interfaces/msg/ParameterType
 FREE = free_from(0.55)
@@ -28,7 +28,6 @@ CONTRACT = Contract(
     free=FREE, delayed_in=("live_wall",), survives=Survived(sensors=300, commands=300)
 )
 UNSAFE = "Is every value of the command line checked, and the command kept within its limits?"
-Settings = Mapping[str, float | str]
 
 
 def may_be(settings: Settings) -> bool:
@@ -46,10 +45,10 @@ def cases(recording: Recording) -> list[Case]:
 
 
 def _cases(recording: Recording) -> Iterator[Case]:
-    settings: Settings = DEFAULTS | recording.scenario.node.parameters
+    settings = DEFAULTS | recording.scenario.node.parameters
     changes = [(0.0, settings)]
     for order in orders(recording):
-        wanted = settings | order.wanted
+        wanted: Settings = settings | dict(order.wanted)
         if not order.wanted:
             yield from _described(order)
             continue
@@ -97,7 +96,7 @@ def _described(order: Order) -> Iterator[Case]:
     """Yield the occasion of each parameter: it is a double with a range and a meaning."""
     there = {each.name: each for each in order.answer.described} if order.answer else {}
     for name, (least, greatest) in RANGES.items():
-        allowed = {
+        allowed: dict[str, Allowed] = {
             "type": frozenset({"double"}),
             "least": exactly(least),
             "greatest": exactly(greatest),
@@ -113,7 +112,7 @@ def _described(order: Order) -> Iterator[Case]:
 
 
 def starts_safely(runs: Runs) -> None:
-    """Fail unless a node with values that nobody may set ends before it speaks, or drives safely."""
+    """Fail unless a node that was started with wrong values ends unheard, or drives safely."""
     for recording in runs:
         if recording.outcome.completed or len(recording.twists().t):
             follows(runs.of([recording]), "scan", help=UNSAFE)

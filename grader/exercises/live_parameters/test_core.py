@@ -63,7 +63,7 @@ def test_pairs(runs: Runs) -> None:
 def test_all_or_none(runs: Runs) -> None:
     """Of values that are set together all count, or none."""
     follows(runs, "refuse", "accept", topic=f"{SET}_atomically", help="One no is a no to all.")
-    follows(runs, "scan", help="A check that also changes the node has changed it when others say no.")
+    follows(runs, "scan", help="A check that also changes the node does so before others say no.")
 
 
 @check(points=15, asks=SAFETY, task=6, scenarios=(*STARTS, "live_wall"), hint="6.1")

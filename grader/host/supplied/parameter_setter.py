@@ -17,6 +17,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import get_parameter_value
 from rclpy.parameter_client import AsyncParameterClient
+from rclpy.task import Future
 from std_msgs.msg import String
 
 
@@ -24,7 +25,7 @@ class ParameterSetter(Node):  # type: ignore[misc]
     """Asks and tells."""
 
     def __init__(self, node: str, orders: list[str]) -> None:
-        super().__init__("course_parameter_setter", enable_rosout=False)
+        super().__init__("course_parameter_setter")
         self.client = AsyncParameterClient(self, node)
         self.answers = self.create_publisher(String, "/course_parameters", 100)
         threading.Thread(target=self.carry_out, args=(orders,), daemon=True).start()
@@ -33,25 +34,33 @@ class ParameterSetter(Node):  # type: ignore[misc]
         """Give each order at its time."""
         begin = time.monotonic()
         for number, order in enumerate(orders):
-            at, *words = order.split()
+            at, text = order.split(maxsplit=1)
             time.sleep(max(0.0, begin + float(at) - time.monotonic()))
-            if words[0].endswith("?"):
-                future = self.client.describe_parameters([word[:-1] for word in words])
-            else:
-                pairs = [word.split(":=") for word in words]
-                wanted = [ParameterMsg(name=n, value=get_parameter_value(text)) for n, text in pairs]
-                together = len(wanted) > 1
-                ask = self.client.set_parameters_atomically if together else self.client.set_parameters
-                future = ask(wanted)
-            future.add_done_callback(lambda done, number=number: self.tell(number, done.result()))
+            self.ask(text).add_done_callback(
+                lambda done, number=number, text=text: self.tell(number, text, done.result())
+            )
 
-    def tell(self, number: int, answer: Any) -> None:
-        """Publish what the node answered to an order."""
+    def ask(self, text: str) -> Future:
+        """Ask the node; its answer is to come."""
+        words = text.split()
+        if text.endswith("?"):
+            return self.client.describe_parameters([word[:-1] for word in words])
+        pairs = [word.split(":=") for word in words]
+        wanted = [ParameterMsg(name=name, value=get_parameter_value(v)) for name, v in pairs]
+        client = self.client
+        return (client.set_parameters if len(wanted) == 1 else client.set_parameters_atomically)(
+            wanted
+        )
+
+    def tell(self, number: int, text: str, answer: Any) -> None:
+        """Log and publish what the node answered."""
         if hasattr(answer, "descriptors"):
             said = {"described": [_described(each) for each in answer.descriptors]}
         else:
             result = answer.result if hasattr(answer, "result") else answer.results[0]
             said = {"accepted": result.successful, "reason": result.reason}
+            word = "accepted" if result.successful else "refused"
+            self.get_logger().info(f"{text}: {word} {result.reason}".rstrip())
         self.answers.publish(String(data=json.dumps({"order": number, **said})))
 
 
