@@ -10,7 +10,7 @@ fresh, old       a command of the guard alone, whose newest wish is fresh, or to
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from grader.checks.ahead import HAIR, front_distances
 from grader.checks.case import Allowed, Case, exactly
@@ -26,14 +26,24 @@ CRUISE, STOP, LIMIT = 0.4, 0.6, 0.25  # [m/s, m, m/s] by the launch file
 OWN_CRUISE, OWN_STOP = 0.2, 0.5  # [m/s, m] the driver's defaults
 ALONE = 0.3  # [m/s] max_speed of the guard where it runs alone
 PATIENCE, UNSURE = 0.5, 0.06  # [s] a wish is old then; so near to that both are right
+MOMENT = 0.001  # [s]
 START_UP = 0.6  # [s] until all have found one another
+Told = list[tuple[float, float]]  # when [s], and what
 CONTRACT = Contract(limits=Limits(fastest=LIMIT), drives=False)
 
 
 def cases(recording: Recording) -> list[Case]:
     """Return the occasions of a scenario: of the guard alone, or of all three nodes."""
     alone = any(program.file == "guard.py" for program in recording.scenario.program)
-    return list(_guarded(recording) if alone else (*_graph(recording), *_passed_on(recording)))
+    if alone:
+        sent = [m for m in recording.delivered if m.topic == CMD_VEL_RAW_TOPIC]
+        asked = [(m.time / 1e9, twist_from_cdr(m.data)[0]) for m in sent]
+        return list(_guarded(recording, asked, ALONE))
+    told = [(t, m.data) for t, m in published(recording, "/shuttle/distance", FLOAT64)]
+    wishes = published(recording, "/shuttle/cmd_vel_raw", TWIST)
+    wanted = [(t, message.linear.x) for t, message in wishes]
+    guarded = _guarded(recording, wanted, LIMIT)
+    return [*_graph(recording), *_passed_on(recording, told, wanted), *guarded]
 
 
 def _graph(recording: Recording) -> Iterator[Case]:
@@ -42,13 +52,12 @@ def _graph(recording: Recording) -> Iterator[Case]:
     for name, found, right in (("nodes", ends, NODES), ("drivers", drivers, (GUARD,))):
         said = ", ".join(sorted({end.node for end in found})) or "none"
         what = {"nodes": "the graph", "drivers": "who publishes on /cmd_vel"}[name]
-        yield Case(0.0, what, frozenset({name}), {name: frozenset({", ".join(right)})}, {name: said})
+        yield Case(
+            0.0, what, frozenset({name}), {name: frozenset({", ".join(right)})}, {name: said}
+        )
 
 
-def _passed_on(recording: Recording) -> Iterator[Case]:
-    told = [(t, m.data) for t, m in published(recording, "/shuttle/distance", FLOAT64)]
-    wishes = published(recording, "/shuttle/cmd_vel_raw", TWIST)
-    wanted = [(t, message.linear.x) for t, message in wishes]
+def _passed_on(recording: Recording, told: Told, wanted: Told) -> Iterator[Case]:
     given = answers(recording)
     ends = [*(answer.scan.t for answer in given[1:]), math.inf]
     for answer, end in zip(given, ends, strict=True):
@@ -57,7 +66,9 @@ def _passed_on(recording: Recording) -> Iterator[Case]:
             continue
         blind = None in seen
         near = [(d, d) if math.isinf(d) else (d - HAIR, d + HAIR) for d in seen if d is not None]
-        yield _case(answer.what, "distance", begin, end, told, {} if blind else {"data": tuple(near)})
+        yield _case(
+            answer.what, "distance", begin, end, told, {} if blind else {"data": tuple(near)}
+        )
         if blind:
             continue
         hair = {edge for pair in near for edge in pair}
@@ -75,30 +86,25 @@ def _case(
     tag: str,
     begin: float,
     end: float,
-    told: list[tuple[float, float]],
-    allowed: dict[str, Allowed],
+    told: Told,
+    allowed: Mapping[str, Allowed],
 ) -> Case:
     """Return the occasion of a scan, and what was told between it and the next."""
     said = [value for t, value in told if begin <= t < end]
     name = next(iter(allowed), "data")
-    return Case(
-        begin, what, frozenset({tag}), allowed, {name: said[-1]} if said else {}, len(said)
-    )
+    return Case(begin, what, frozenset({tag}), allowed, {name: said[-1]} if said else {}, len(said))
 
 
-def _guarded(recording: Recording) -> Iterator[Case]:
-    wishes = [
-        (message.time / 1e9, twist_from_cdr(message.data)[0])
-        for message in recording.delivered
-        if message.topic == CMD_VEL_RAW_TOPIC
-    ]
+def _guarded(recording: Recording, wishes: Told, most: float) -> Iterator[Case]:
     twists = recording.twists()
     for t, said in zip(twists.t.tolist(), twists.linear_x.tolist(), strict=True):
-        heard, wish = max((w for w in wishes if w[0] < t), default=(-math.inf, 0.0))
-        age = t - heard
-        safe = min(max(wish, 0.0), ALONE) if math.isfinite(wish) else 0.0
-        speeds = [safe] * (age < PATIENCE + UNSURE) + [0.0] * (age > PATIENCE - UNSURE)
+        heard = [wish for wish in wishes if wish[0] <= t][-2:] or [(-math.inf, 0.0)]
+        if t - heard[-1][0] > MOMENT:
+            heard = heard[-1:]  # of wishes at this very moment the one before is right, too
+        age, wish = t - heard[-1][0], heard[-1][1]
+        safe = [min(max(w, 0.0), most) if math.isfinite(w) else 0.0 for _, w in heard]
+        speeds = safe * (age < PATIENCE + UNSURE) + [0.0] * (age > PATIENCE - UNSURE)
+        what = f"a wish of {wish:.2f} m/s, {age:.2f} s old" if age < math.inf else "no wish yet"
         tag = "old" if age > PATIENCE else "fresh"
-        what = f"a wish of {wish:.2f} m/s, {age:.2f} s old" if wishes and heard > 0 else "no wish yet"
         allowed: dict[str, Allowed] = {"linear.x": exactly(*speeds)}
         yield Case(t, what, frozenset({tag}), allowed, {"linear.x": said})

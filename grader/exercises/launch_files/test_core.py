@@ -63,7 +63,8 @@ def test_silence(runs: Runs) -> None:
     follows(runs, "old", help="Without a new wish, what does your timer publish?")
 
 
-@check(points=10, asks=SAFETY, scenarios=(WALL,), needs=("parameters", "limits"), hint="6.2")
+@check(points=10, asks=SAFETY, scenarios=(WALL,), needs=("wishes", "limits"), hint="6.2")
 def test_keeps_distance(runs: Runs) -> None:
     """The robot drives up to a wall and stops before it; blind, it does not drive."""
     keeps_distance(runs)
+    follows(runs, "old", help="No distance, no wish, no speed: where does the chain go on?")
