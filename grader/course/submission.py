@@ -207,7 +207,8 @@ def _packages_of(path: Path, expected: str | None) -> tuple[Path, list[Path]] | 
 
     A file is run as `python3 FILE` runs it, unless it is a module of a package's or a launch file.
     A folder may be a package or a workspace; of a launch file it is the `src` around its package,
-    but not where a certain file is `expected`: what lies around may be another student's then.
+    but not where a certain file is `expected`: what lies around may be another student's then. One
+    in no package that lies beside programs starts these.
     """
     path = path.absolute()
     if path.is_dir():
@@ -221,13 +222,13 @@ def _packages_of(path: Path, expected: str | None) -> tuple[Path, list[Path]] | 
     near = [path.parent, *path.parents[1:MODULES]]
     if path.name.endswith(LAUNCH):
         home = next((each for each in near if (each / MANIFEST).is_file()), None)
+        programs = [file for file in path.parent.glob("*.py") if not file.name.endswith(LAUNCH)]
+        if home is None and programs and expected in (None, path.name):
+            return None
         around = next((each for each in near if each.name == "src"), None) if home else path.parent
         found = _packages_in(around) if around and expected is None else []
         if around and any(map(is_package, found)) and (home is None or home in found):
             return around, found
-        programs = [file for file in path.parent.glob("*.py") if not file.name.endswith(LAUNCH)]
-        if home is None and programs and expected in (None, path.name):
-            return None
         if home is None or not is_package(home):
             raise InputError(
                 f"{path}: expected a launch file beside its programs, in a package with a "

@@ -177,7 +177,7 @@ def test_every_program_is_run() -> None:
     written = {block.options["caption"] for block in nodes()}
     launching = [block.text for block in nodes() if block.options["caption"] in driven]
     launched = {f"{name}.py" for text in launching for name in STARTED.findall(text)}
-    assert written == driven | launched & written
+    assert written <= driven | launched
     for block in nodes():
         compile(block.text, block.options["caption"], "exec")
     count = len(written), sum(len(snippets(page)) for page in PAGES)

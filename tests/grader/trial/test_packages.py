@@ -10,7 +10,7 @@ import msgspec
 import pytest
 from node_runs import short
 
-from grader.course.submission import Package, Submission, find_submission
+from grader.course.submission import Package, Program, Submission, find_submission
 from grader.errors import InputError
 from grader.host.frames import Executable, Launched, PackageRead
 from grader.link.hosts import ForkServer

@@ -1,4 +1,4 @@
-"""The contract of launch_files: who is there, what they tell one another, and what the guard does.
+"""The contract of three_nodes: who is there, what they tell one another, and what the guard does.
 
 nodes, drivers   the graph: which nodes there are, and which of them publish on /cmd_vel
 distance         a scan: what the watcher tells of it

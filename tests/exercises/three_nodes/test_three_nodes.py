@@ -17,7 +17,7 @@ YAML = """
 
 
 def test_parameters_may_stand_in_a_file(tmp_path: Path, forkserver: ForkServer) -> None:
-    exercise = find_exercise("launch_files")
+    exercise = find_exercise("three_nodes")
     for file in exercise.files:
         shutil.copyfile(exercise.solutions / file, tmp_path / file)
     launch = tmp_path / "robot_launch.py"

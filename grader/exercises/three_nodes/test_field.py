@@ -5,7 +5,7 @@ from __future__ import annotations
 from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
 from grader.checks.words import follows
-from grader.exercises.launch_files.contract import NODES
+from grader.exercises.three_nodes.contract import NODES
 
 
 def _keeps_the_contract(runs: Runs, help: str) -> None:
