@@ -45,12 +45,17 @@ class Order:
 
 
 def orders(recording: Recording) -> list[Order]:
-    """Return the orders of a scenario's setter, with the node's answers: a student's word."""
+    """Return the orders of a scenario's setter, with the node's answers: a student's word.
+
+    In real time, where programs start when they can, an order counts from its answer on.
+    """
     answers: dict[int, Answer] = {}
-    for _, message in published(recording, ANSWERS, STRING):
+    heard: dict[int, float] = {}
+    for t, message in published(recording, ANSWERS, STRING):
         with contextlib.suppress(ValueError, RecursionError, OverflowError):
             answer = msgspec.convert(json.loads(message.data), Answer)
             answers.setdefault(answer.order, answer)
+            heard.setdefault(answer.order, t)
     given = [
         order.split(maxsplit=1)
         for program in recording.scenario.program
@@ -58,7 +63,12 @@ def orders(recording: Recording) -> list[Order]:
         for order in program.arguments[1:]
     ]
     return [
-        Order(float(at), text, _wanted(text), answers.get(number))
+        Order(
+            float(at) if recording.live is None else heard.get(number, float(at)),
+            text,
+            _wanted(text),
+            answers.get(number),
+        )
         for number, (at, text) in enumerate(given)
     ]
 

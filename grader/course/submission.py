@@ -159,6 +159,8 @@ def find_submission(
         raise InputError(f"{path}: expected a Python file, but this is not a regular file")
     if expected and path.name in others:
         others = [expected, *others]
+        if expected.endswith(LAUNCH):  # it starts the others
+            path = file_beside(path, expected) or path
     names = [name for name in dict.fromkeys(others) if name != path.name]
     found = tuple(file for name in names if (file := file_beside(path, name)) is not None)
     path = path.resolve()

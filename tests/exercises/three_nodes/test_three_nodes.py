@@ -28,7 +28,7 @@ def test_parameters_may_stand_in_a_file(tmp_path: Path, forkserver: ForkServer) 
     launch.write_text(text, "utf-8")
     for yaml, passed in ((YAML, True), (YAML.replace("0.25", "0.2"), False)):
         (tmp_path / "robot.yaml").write_text(yaml, "utf-8")
-        submission = find_submission(tmp_path, exercise.files[0], exercise.files[1:])
+        submission = find_submission(tmp_path / "guard.py", exercise.files[0], exercise.files[1:])
         grading = grade_submission(
             exercise, submission, forkserver, file="robot_launch.py", only=["parameters"]
         )

@@ -52,7 +52,9 @@ def test_what_is_no_answer_is_none(said: str) -> None:
     program = SimpleNamespace(file=SETTER, arguments=("adjustable", "1.5 speed:=0.1 word:=a"))
     text = said.encode(errors="replace").decode()
     recording: Any = SimpleNamespace(
-        published=[string(ANSWERS, 0, text)], scenario=SimpleNamespace(program=(program,))
+        published=[string(ANSWERS, 0, text)],
+        live=None,
+        scenario=SimpleNamespace(program=(program,)),
     )
     (order,) = orders(recording)
     assert (order.at, order.wanted, order.answer) == (1.5, {"speed": 0.1, "word": "a"}, None)
