@@ -30,8 +30,16 @@ NEAREST = 0.3  # [m] nearer than this it stands, whatever the parameters say
 
 def front_distance(scan: LaserScan) -> float | None:
     """Return the smallest usable distance within ±90° of ahead [m]; ``None``: blind."""
-    # TODO(task 3): paste front_distance from your exercise 1; it fits as it is.
-    return 0.0
+    usable = []
+    for index, reading in enumerate(scan.ranges):
+        angle = math.remainder(scan.angle_min + index * scan.angle_increment, math.tau)
+        if abs(angle) > math.pi / 2:
+            continue
+        if reading == -math.inf:
+            usable.append(0.0)
+        elif reading == math.inf or scan.range_min <= reading <= scan.range_max:
+            usable.append(reading)
+    return min(usable, default=None)
 
 
 class LiveParametersAgent(Node):

@@ -16,8 +16,16 @@ from std_msgs.msg import Float64
 
 def front_distance(scan: LaserScan) -> float | None:
     """Return the smallest usable distance within ±90° of ahead [m]; ``None``: blind."""
-    # TODO(task 4): paste front_distance from your exercise 1; it fits as it is.
-    return None
+    usable = []
+    for index, reading in enumerate(scan.ranges):
+        angle = math.remainder(scan.angle_min + index * scan.angle_increment, math.tau)
+        if abs(angle) > math.pi / 2:
+            continue
+        if reading == -math.inf:
+            usable.append(0.0)
+        elif reading == math.inf or scan.range_min <= reading <= scan.range_max:
+            usable.append(reading)
+    return min(usable, default=None)
 
 
 class Watcher(Node):
@@ -30,9 +38,7 @@ class Watcher(Node):
 
     def scan_callback(self, scan: LaserScan) -> None:
         """Perceive, and tell."""
-        distance = front_distance(scan)
-        if distance is not None:
-            self.publisher.publish(Float64(data=distance))
+        # TODO(task 4): publish the front_distance of the scan, if there is one.
 
 
 def main(args: list[str] | None = None) -> None:

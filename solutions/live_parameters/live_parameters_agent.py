@@ -30,7 +30,6 @@ NEAREST = 0.3  # [m] nearer than this it stands, whatever the parameters say
 
 def front_distance(scan: LaserScan) -> float | None:
     """Return the smallest usable distance within ±90° of ahead [m]; ``None``: blind."""
-    ### BEGIN SOLUTION
     usable = []
     for index, reading in enumerate(scan.ranges):
         angle = math.remainder(scan.angle_min + index * scan.angle_increment, math.tau)
@@ -41,10 +40,6 @@ def front_distance(scan: LaserScan) -> float | None:
         elif reading == math.inf or scan.range_min <= reading <= scan.range_max:
             usable.append(reading)
     return min(usable, default=None)
-    ### SKELETON
-    # # TODO(task 3): paste front_distance from your exercise 1; it fits as it is.
-    # return 0.0
-    ### END SOLUTION
 
 
 class LiveParametersAgent(Node):

@@ -16,7 +16,6 @@ from std_msgs.msg import Float64
 
 def front_distance(scan: LaserScan) -> float | None:
     """Return the smallest usable distance within ±90° of ahead [m]; ``None``: blind."""
-    ### BEGIN SOLUTION
     usable = []
     for index, reading in enumerate(scan.ranges):
         angle = math.remainder(scan.angle_min + index * scan.angle_increment, math.tau)
@@ -27,10 +26,6 @@ def front_distance(scan: LaserScan) -> float | None:
         elif reading == math.inf or scan.range_min <= reading <= scan.range_max:
             usable.append(reading)
     return min(usable, default=None)
-    ### SKELETON
-    # # TODO(task 4): paste front_distance from your exercise 1; it fits as it is.
-    # return None
-    ### END SOLUTION
 
 
 class Watcher(Node):
@@ -43,9 +38,13 @@ class Watcher(Node):
 
     def scan_callback(self, scan: LaserScan) -> None:
         """Perceive, and tell."""
+        ### BEGIN SOLUTION
         distance = front_distance(scan)
         if distance is not None:
             self.publisher.publish(Float64(data=distance))
+        ### SKELETON
+        # # TODO(task 4): publish the front_distance of the scan, if there is one.
+        ### END SOLUTION
 
 
 def main(args: list[str] | None = None) -> None:

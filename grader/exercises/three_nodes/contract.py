@@ -60,7 +60,7 @@ def _graph(recording: Recording) -> Iterator[Case]:
 def _passed_on(recording: Recording, told: Told, wanted: Told) -> Iterator[Case]:
     given = answers(recording)
     ends = [*(answer.scan.t for answer in given[1:]), math.inf]
-    for answer, end in zip(given, ends, strict=True):
+    for answer, end in zip(given, ends, strict=False):
         begin, seen = answer.scan.t, front_distances(answer.scan)
         if begin < START_UP:
             continue
