@@ -1,7 +1,8 @@
 """course_exercises, a student's nodes as a ROS package: what `colcon build` reads.
 
 Every file that an `exercise.toml` names becomes a program of that name:
-`ros2 run course_exercises PROGRAM`. Edit the files where they are.
+`ros2 run course_exercises PROGRAM`; but launch files are for `ros2 launch course_exercises FILE`.
+Edit the files where they are.
 """
 
 import tomllib
@@ -16,6 +17,7 @@ NODES = {  # program: module
     Path(file).stem: f"{NAME}.{about.parent.name}.{Path(file).stem}"
     for about in sorted(HERE.glob("*/exercise.toml"))
     for file in tomllib.loads(about.read_text("utf-8"))["files"]
+    if not file.endswith("launch.py")
 }
 FOLDERS = sorted({module.rpartition(".")[0] for module in NODES.values()})
 
@@ -38,6 +40,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
         shared("launch", "*.launch.py"),
+        *(shared(about.parent.name, "*launch.py") for about in HERE.glob("*/exercise.toml")),
         *(shared(about.parent.name, about.name) for about in HERE.glob("*/exercise.toml")),
         shared("config", "*.yaml"),
         shared("rviz", "*.rviz"),

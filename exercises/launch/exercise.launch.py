@@ -30,7 +30,7 @@ SWITCHES = {  # argument: its default, and what it means
 
 
 def exercise(context: LaunchContext, *_: object) -> list[IncludeLaunchDescription | Node]:
-    """Return the robot, the exercise's nodes, and RViz."""
+    """Return the robot, the exercise's nodes or its own launch file, and RViz."""
     name = LaunchConfiguration("exercise").perform(context)
     sim_time = {"use_sim_time": LaunchConfiguration("use_sim_time").perform(context) == "true"}
     parameters = [*parameter_file(context, name), sim_time]
@@ -44,6 +44,11 @@ def exercise(context: LaunchContext, *_: object) -> list[IncludeLaunchDescriptio
         )
         for program, node in programs(name)
     ]
+    own = [file for file in EXERCISES[name]["files"] if file.endswith("launch.py")]
+    if own:
+        source = PythonLaunchDescriptionSource(str(SHARE / name / own[0]))
+        given = {"use_sim_time": LaunchConfiguration("use_sim_time")}
+        nodes = [IncludeLaunchDescription(source, launch_arguments=given.items())]
     rviz = Node(
         package="rviz2",
         executable="rviz2",

@@ -50,7 +50,7 @@ class Package:
     others: tuple[str, ...] = ()  # the exercise's other files
     programs: tuple[Program, ...] = ()  # to start together; () before it is read
     every: tuple[Program, ...] = ()  # that could be started
-    folders: tuple[str, ...] = ("",)  # the packages', below that of all files
+    folders: tuple[str, ...] = ("",)  # the packages'; none: a launch file beside its programs
 
 
 @dataclass(frozen=True)
@@ -83,8 +83,9 @@ class Submission:
         if self.package is None:
             return (Program(name or self.path.name),)
         if name and name != self.package.main:
-            every = (*self.package.programs, *self.package.every)
-            return next(((each,) for each in every if each.file.endswith(f"/{name}")), ())
+            launched = self.package.programs if self.package.folders else ()
+            every = (*launched, *self.package.every)
+            return next(((each,) for each in every if f"/{each.file}".endswith(f"/{name}")), ())
         rest = tuple(f"/{other}" for other in self.package.others)
         mine = tuple(each for each in self.package.programs if not each.file.endswith(rest))
         return mine or self.package.programs
@@ -158,12 +159,17 @@ def find_submission(
         raise InputError(f"{path}: expected a Python file, but this is not a regular file")
     if expected and path.name in others:
         others = [expected, *others]
+        if expected.endswith(LAUNCH):  # it starts the others
+            path = file_beside(path, expected) or path
     names = [name for name in dict.fromkeys(others) if name != path.name]
     found = tuple(file for name in names if (file := file_beside(path, name)) is not None)
     path = path.resolve()
     problems = [_problem(file) for file in (path, *found)]
     problem = next(filter(None, problems), "")
     there = beside(path.parent)  # as Python has it, where a link leads
+    if path.name.endswith(LAUNCH):
+        every = {**there.files, **{file.name: file for file in (path, *found)}}
+        return Submission(path, problem, found, every, there.left, Package(path.name, folders=()))
     mine = {path.name, *(file.name for file in found)}
     more = {name: file for name, file in there.files.items() if name not in mine}
     return Submission(path, problem, found, more, there.left)
@@ -203,7 +209,8 @@ def _packages_of(path: Path, expected: str | None) -> tuple[Path, list[Path]] | 
 
     A file is run as `python3 FILE` runs it, unless it is a module of a package's or a launch file.
     A folder may be a package or a workspace; of a launch file it is the `src` around its package,
-    but not where a certain file is `expected`: what lies around may be another student's then.
+    but not where a certain file is `expected`: what lies around may be another student's then. One
+    in no package that lies beside programs starts these.
     """
     path = path.absolute()
     if path.is_dir():
@@ -217,14 +224,17 @@ def _packages_of(path: Path, expected: str | None) -> tuple[Path, list[Path]] | 
     near = [path.parent, *path.parents[1:MODULES]]
     if path.name.endswith(LAUNCH):
         home = next((each for each in near if (each / MANIFEST).is_file()), None)
+        programs = [file for file in path.parent.glob("*.py") if not file.name.endswith(LAUNCH)]
+        if home is None and programs and expected in (None, path.name):
+            return None
         around = next((each for each in near if each.name == "src"), None) if home else path.parent
         found = _packages_in(around) if around and expected is None else []
         if around and any(map(is_package, found)) and (home is None or home in found):
             return around, found
         if home is None or not is_package(home):
             raise InputError(
-                f"{path}: expected a launch file in a package with a setup.py, in another package "
-                "of the same src folder, or in the folder that holds the packages"
+                f"{path}: expected a launch file beside its programs, in a package with a "
+                "setup.py, in another of the same src folder, or in the folder with the packages"
             )
         return home, [home]
     if (path.parent / "__init__.py").is_file():

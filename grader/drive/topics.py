@@ -15,6 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from grader.checks.commands import garbage, spell
+from grader.checks.wiring import OURS as GRADERS
 from grader.recording import Endpoint, Recording
 from sim.messages import CMD_VEL_TOPIC, GOAL_TOPIC, OFFERED, TWIST, TWIST_STAMPED, Message, decode
 
@@ -47,7 +48,7 @@ def topic_lines(recording: Recording) -> list[str]:
     sent = Counter(message.topic for message in recording.delivered)
     said = Counter((m.topic.removeprefix(OURS), m.type) for m in recording.published)
     lines = []
-    for end in (end for end in ends if end.kind != "timer"):
+    for end in (end for end in ends if end.kind != "timer" and not end.node.startswith(GRADERS)):
         lines.append(_line(end, *_count(end, ends, sent, said), _lasted(recording)))
         lines += [f"    {text}" for text in _problems(recording, end, sent)]
     return lines

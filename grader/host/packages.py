@@ -32,6 +32,7 @@ ENTRY = re.compile(r"\s*([^=\s]+)\s*=\s*([\w.]+)\s*:\s*([\w.]+)\s*(?:\[.*\])?\s*
 INSTALL = re.compile(
     r"install\(\s*(DIRECTORY|FILES|PROGRAMS)\s+([^()]*?)\s+DESTINATION\s+([^\s)]+)"
 )
+LOOSE = "course_exercises"  # the package of programs that lie in none, as in a workspace
 SETUPS = ("setup.py", "setup.cfg", "pyproject.toml")
 INDEX = "share/ament_index/resource_index/packages"
 SETTINGS = (
@@ -46,7 +47,10 @@ class Unbuildable(Exception):
 
 
 def read(launch: str, folders: Iterable[str] = ("",)) -> PackageRead:
-    """Return what the packages in these folders install and can start."""
+    """Return what the packages in these folders install and can start.
+
+    Without folders, each file of Python beside the launch file is a program of the package LOOSE.
+    """
     here = Path.cwd()
     files: dict[str, str] = {}  # what is installed: its place, its source
     executables: list[Executable] = []
@@ -66,6 +70,9 @@ def read(launch: str, folders: Iterable[str] = ("",)) -> PackageRead:
             if PurePosixPath(launch).is_relative_to(folder or "."):
                 owner = package.name
         os.chdir(here)
+        if not names:
+            owner, files = LOOSE, {file.name: file.name for file in here.glob("*.py")}
+            executables = [Executable(Path(file).stem, file, "", LOOSE) for file in files]
         if launch:
             shared = [place for place, source in files.items() if source == launch]
             place = next((each for each in shared if each.startswith("share/")), launch)

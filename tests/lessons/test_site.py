@@ -161,12 +161,11 @@ def test_licence_stands_on_every_page(pages: dict[str, Page]) -> None:
 
 def test_every_exercise_ends_a_section() -> None:
     linked = re.compile(r"\]\(\.\./exercises/(\w+)/README\.md\)")
-    found, pages = [], ("node", "models", "state", "real_time")
-    for name in pages:
-        text = (LESSONS / f"{name}.md").read_text("utf-8")
-        found += linked.findall(re.split(r"^## Exercises?$", text, flags=re.MULTILINE)[1])
-    wanted = f"link it once, behind `## Exercises` of a page of {pages} in lessons/"
-    assert sorted(found) == EXERCISES, wanted
+    found = []
+    for page in PAGES:
+        _, *ends = re.split(r"^## Exercises?$", page.read_text("utf-8"), flags=re.MULTILINE)
+        found += linked.findall("".join(ends))
+    assert sorted(found) == EXERCISES, "link it once, behind `## Exercise` of a page in lessons/"
 
 
 def test_every_skeleton_is_one_click_away(pages: dict[str, Page]) -> None:

@@ -28,7 +28,8 @@ from ros_workspace import (
 from grader.course.exercises import ROOT, all_exercises
 
 FOLDERS = {"course_sim": "sim", "course_exercises": "exercises"}
-PROGRAMS = {Path(file).stem for exercise in all_exercises() for file in exercise.files}
+FILES = [file for exercise in all_exercises() for file in exercise.files]
+PROGRAMS = {Path(file).stem for file in FILES if not file.endswith("launch.py")}
 ROS = re.compile(r"^(rclpy|launch|launch_ros|ament_index_python)$|_(msgs|srvs|interfaces)$")
 WHERE = """
 import importlib.metadata, importlib.util
@@ -91,6 +92,9 @@ def test_everything_is_installed_that_is_there(prefixes: list[Path]) -> None:
         ours = {file.relative_to(ROOT / "exercises") for file in ROOT.glob(f"exercises/{pattern}")}
         assert ours
         assert ours == {file.relative_to(share) for file in share.glob(pattern)}
+    assert {file.name for file in share.rglob("*_launch.py")} == {
+        file for file in FILES if file.endswith("launch.py")
+    }
     assert {file.name for file in (exercises / "lib" / "course_exercises").iterdir()} == PROGRAMS
     assert [file.name for file in (sim / "lib" / "course_sim").iterdir()] == ["mock_robot"]
 

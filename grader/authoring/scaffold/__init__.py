@@ -92,6 +92,7 @@ def _check(name: str, root: Path) -> None:
     taken = [
         *(root / "sim" / "scenarios").rglob("*.toml"),
         *(root / "grader" / "exercises").rglob("*.toml"),
+        *(root / "grader").rglob("*.py"),  # no code names an exercise
     ]
     for path in taken:
         if path.stem in {name, f"{name}_ahead", f"{name}_best_effort"}:

@@ -10,7 +10,7 @@ import msgspec
 import pytest
 from node_runs import short
 
-from grader.course.submission import Package, Submission, find_submission
+from grader.course.submission import Package, Program, Submission, find_submission
 from grader.errors import InputError
 from grader.host.frames import Executable, Launched, PackageRead
 from grader.link.hosts import ForkServer
@@ -285,11 +285,23 @@ def test_a_launch_file_of_no_package_is_refused(tmp_path: Path) -> None:
         tmp_path, {"a.launch.py": BRINGUP, "node.py": NODE, **WORKSPACE, "src/b.launch.py": BRINGUP}
     )
     for given, expected in (("a.launch.py", "two.py"), ("src/b.launch.py", "two.py")):
-        with pytest.raises(InputError, match="expected a launch file in a package"):
+        with pytest.raises(InputError, match="expected a launch file beside its programs"):
             find_submission(tmp_path / given, expected)
     (tmp_path / "src" / "mine" / "setup.py").unlink()
-    with pytest.raises(InputError, match="expected a launch file in a package"):
+    with pytest.raises(InputError, match="expected a launch file beside its programs"):
         find_submission(tmp_path / "src" / "b.launch.py")
+
+
+def test_a_launch_file_beside_its_programs(tmp_path: Path, forkserver: ForkServer) -> None:
+    launch = INNER.replace('t("word")', 't("word", default_value="so")')
+    launch = launch.replace('package="mine"', 'package="course_exercises"')
+    lay(tmp_path, {"a.launch.py": launch, "two.py": NODE, "one.py": NODE})
+    submission = unpacked(find_submission(tmp_path / "a.launch.py"), forkserver)
+    assert not submission.problem
+    (program,) = submission.started()
+    assert (program.file, program.entry) == ("two.py", "")
+    assert program.arguments
+    assert submission.started("two.py") == (Program("two.py"),)  # alone, it is not launched
 
 
 @pytest.mark.parametrize("given", ["", "mine/two.py", "two"])

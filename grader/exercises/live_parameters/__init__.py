@@ -1,0 +1,1 @@
+"""The judge of exercise 10, Live parameters."""

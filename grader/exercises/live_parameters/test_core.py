@@ -1,0 +1,74 @@
+"""The core checks of exercise 10; they sum to 100 points."""
+
+from __future__ import annotations
+
+from grader.checks.case import Runs
+from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
+from grader.checks.words import answers_once, follows, keeps_distance, wired, within
+from grader.exercises.live_parameters.contract import CONTRACT, starts_safely
+
+STARTS = ("live_start_fast", "live_start_near")
+NODE = "/live_parameters_agent"
+SET = f"{NODE}/set_parameters"
+
+
+@check(points=5, asks=WIRING, task=1, scenarios=("live_defaults",), needs=())
+def test_wiring(runs: Runs) -> None:
+    """The node starts, spins, listens to /scan and publishes on /cmd_vel."""
+    wired(runs)
+
+
+@check(points=10, asks=WIRING, task=2, scenarios=("live_changed",), hint="2.1")
+def test_declared(runs: Runs) -> None:
+    """Each parameter is a double, with its range and a description."""
+    help = "ros2 param describe shows what a ParameterDescriptor says."
+    follows(runs, "describe", topic=f"{NODE}/describe_parameters", help=help)
+
+
+@check(points=10, asks=DECISION, task=3, scenarios=("live_defaults",), hint="3.1")
+def test_defaults(runs: Runs) -> None:
+    """With the defaults: 0.3 m/s, 0.15 m/s below 1.0 m, 0 below 0.5 m; one Twist for each scan."""
+    answers_once(runs)
+    follows(runs, "scan", help="The distances themselves, 0.5 m and 1.0 m, are not nearer.")
+
+
+@check(points=10, asks=DECISION, task=3, scenarios=("live_started",), hint="3.1")
+def test_started(runs: Runs) -> None:
+    """The values of the command line, or of a file, are those that it drives by."""
+    follows(runs, "scan", help="What does declare_parameter return, if somebody gave a value?")
+
+
+@check(points=15, asks=STATE, task=4, scenarios=("live_changed",), hint="4.1")
+def test_takes_effect(runs: Runs) -> None:
+    """A value that is set while the node runs counts from the next scan on."""
+    follows(runs, "accept", topic=SET, help="Does your check return successful=True?")
+    follows(runs, "scan", help="Where does the value come from that this decision used?")
+
+
+@check(points=15, asks=SAFETY, task=5, scenarios=("live_refused",), hint="5.1")
+def test_refused(runs: Runs) -> None:
+    """What is out of range is refused, with a reason, and changes nothing."""
+    follows(runs, "refuse", "accept", topic=SET, help="NaN is in no range, and compares as False.")
+    follows(runs, "scan", help="It said no: so the old value still counts.")
+
+
+@check(points=10, asks=DECISION, task=5, scenarios=("live_pairs",), hint="5.2")
+def test_pairs(runs: Runs) -> None:
+    """A slow_distance below the stop_distance is refused, whichever of them is set."""
+    help = "Compare what the two would be afterwards: the new value if there is one, or the old."
+    follows(runs, "refuse", "accept", topic=SET, help=help)
+
+
+@check(points=10, asks=STATE, task=5, scenarios=("live_together",), hint="5.3")
+def test_all_or_none(runs: Runs) -> None:
+    """Of values that are set together all count, or none."""
+    follows(runs, "refuse", "accept", topic=f"{SET}_atomically", help="One no is a no to all.")
+    follows(runs, "scan", help="A check that also changes the node does so before others say no.")
+
+
+@check(points=15, asks=SAFETY, task=6, scenarios=(*STARTS, "live_wall"), hint="6.1")
+def test_limits_hold(runs: Runs) -> None:
+    """Whatever is set, at the start or later: at most 0.5 m/s, and none nearer than 0.3 m."""
+    starts_safely(runs.only(*STARTS))
+    within(runs["live_wall"], CONTRACT.limits, "min(…, FASTEST) costs nothing.")
+    keeps_distance(runs.only("live_wall"))

@@ -1,0 +1,1 @@
+"""The judge of exercise 11, Launch files."""
