@@ -91,8 +91,9 @@ def compared(texts: Texts, earlier: Texts, slug: str) -> Alike:
         names = [*own, *others]
         found = [Pair(names[a], names[b], file, each) for each, a, b in _pairs(prints, len(own))]
         within += [pair for pair in found if pair.right in own]
-        first = {pair.left: pair for pair in reversed(found) if pair.right not in own}
-        taken += [*first.values(), *_pasted(file, own, given, checks)]
+        known = [pair for pair in reversed(found) if pair.right not in own]
+        closest_of_each = {(pair.left, pair.right in course): pair for pair in known}
+        taken += [*closest_of_each.values(), *_pasted(file, own, given, checks)]
     return Alike(len(texts), tuple(_groups(within)), tuple(closest(taken)), tuple(unread))
 
 
@@ -184,11 +185,12 @@ def _pairs(programs: Sequence[Prints], own: int) -> list[tuple[float, int, int]]
     connected, and all of it meets an earlier year's.
     """
     count = len(programs)
-    owner = np.repeat(np.arange(count), [len(each) for each in programs])
+    lengths = [len(each) for each in programs]
+    owner = np.repeat(np.arange(count), lengths)
     _, which, holders = np.unique(np.concatenate(programs), return_inverse=True, return_counts=True)
     weights = np.log((count + 2) / np.maximum(holders, RARE))
     whole = np.bincount(owner, weights[which], count)
-    ids = np.split(which, np.flatnonzero(np.diff(owner)) + 1)
+    ids = np.split(which, np.cumsum(lengths)[:-1])
     by_shape = np.lexsort((owner, which))
     shape, holder = which[by_shape], owner[by_shape]
     last = holder[np.cumsum(holders) - 1][shape]
