@@ -1,7 +1,8 @@
 """What grading a class costs: CPU and wall time per submission, memory, and a peer's figure.
 
 The peer is `nbgrader autograde` of a notebook with one trivial cell, in the same run; without
-nbgrader that line says so.
+nbgrader that line says so. With --dask whole classes are graded on a cluster on this machine,
+by `course autograde --dask` as an instructor calls it, and nothing else is measured.
 """
 
 from __future__ import annotations
@@ -9,11 +10,15 @@ from __future__ import annotations
 import argparse
 import contextlib
 import importlib.util
+import itertools
 import os
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
+import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
@@ -23,6 +28,12 @@ from grader.course.exercises import find_exercise
 
 TICK = os.sysconf("SC_CLK_TCK")  # of the times in /proc [1/s]
 FEW = 10  # the cost from here on must not grow
+CHEAP = """import rclpy
+from rclpy.node import Node
+
+rclpy.init()
+node = Node("obstacle_avoidance_agent")
+"""  # ends at once: what remains is the price of grading
 SETTINGS = "c = get_config()\nc.CourseDirectory.course_id = 'bench'\n"
 
 
@@ -42,7 +53,15 @@ def main() -> int:
     parser.add_argument("--exercise", default="obstacle_avoidance")
     parser.add_argument("--field", action="store_true", help="the field checks too")
     parser.add_argument("--trust", action="store_true")
+    parser.add_argument(
+        "--dask", type=int, nargs="+", metavar="COUNT", help="classes of so many cheap nodes"
+    )
+    parser.add_argument("--workers", type=int, nargs="+", default=[1, 2], help="with --dask")
     given = parser.parse_args()
+    if given.dask:
+        for workers, count in itertools.product(given.workers, given.dask):
+            print(_class_on_dask(count, workers), flush=True)
+        return 0
     exercise = find_exercise(given.exercise)
     texts = {name: (exercise.solutions / name).read_bytes() for name in exercise.files}
     unit = Unit("warm", exercise.slug, texts, bags=False, field=given.field, trust=given.trust)
@@ -88,6 +107,68 @@ def _growth(results: list[_Cost]) -> None:
         + ", ".join(f"{size:.0f}" for size in megabytes)
         + f" MiB (peak {peak:.0f})"
     )
+
+
+def _class_on_dask(count: int, workers: int) -> str:
+    """Grade a class on a scheduler and workers of its own; say what it took."""
+    with (
+        tempfile.TemporaryDirectory(prefix="course-dask-") as name,
+        contextlib.ExitStack() as stack,
+    ):
+        folder, address = Path(name), Path(name) / "scheduler.json"
+        for number in range(count):
+            handed_in = folder / "in" / f"student{number:05}"
+            handed_in.mkdir(parents=True)
+            text = f"# {number}\n{CHEAP}"
+            (handed_in / "obstacle_avoidance_agent.py").write_text(text)
+        scheduler, worker = (
+            stack.enter_context(_dask(part, "--scheduler-file", str(address), *more))
+            for part, more in (
+                ("scheduler", ["--host", "127.0.0.1", "--port", "0", "--dashboard-address", ":0"]),
+                ("worker", ["--nthreads", "1", "--nworkers", str(workers), "--no-dashboard"]),
+            )
+        )
+        words = ["autograde", "in", "--out", "out", "--no-bags", "--dask", str(address)]
+        command = [str(Path(sys.executable).with_name("course")), *words]
+        deadline = time.monotonic() + 60
+        while not address.is_file() and time.monotonic() < deadline:
+            time.sleep(0.1)
+        begin = time.monotonic()
+        client = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL)
+        _, status, used = os.wait4(client.pid, 0)
+        wall = time.monotonic() - begin
+        client.returncode = os.waitstatus_to_exitcode(status)
+        own = used.ru_utime + used.ru_stime
+        theirs = [sum(map(_ticks, _family(pid))) / TICK for pid in (scheduler, worker)]
+        peaks = [max(map(_peak, _family(pid))) for pid in (scheduler, worker)]
+        return (
+            f"{count} cheap nodes, {workers} workers, load {os.getloadavg()[0]:.1f}, exit code "
+            f"{client.returncode}: {wall:.0f} s, {wall / count:.3f} s each; CPU each: workers "
+            f"{theirs[1] / count:.3f}, scheduler {theirs[0] / count:.4f}, client "
+            f"{own / count:.4f} s; peak MiB: scheduler {peaks[0]:.0f}, client "
+            f"{used.ru_maxrss / 1024:.0f}, largest process of a worker {peaks[1]:.0f}"
+        )
+
+
+@contextlib.contextmanager
+def _dask(*words: str) -> Iterator[int]:
+    """Run a part of Dask; yield its process's id."""
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    command = [sys.executable, "-m", "distributed.cli.dask_" + words[0], *words[1:]]
+    process = subprocess.Popen(command, **quiet)
+    try:
+        yield process.pid
+    finally:
+        process.send_signal(signal.SIGTERM)
+        process.wait()
+
+
+def _peak(pid: int) -> float:
+    """Return the most memory that a process has had [MiB]."""
+    with contextlib.suppress(OSError, StopIteration):
+        lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+        return int(next(line for line in lines if line.startswith("VmHWM")).split()[1]) / 1024
+    return 0.0
 
 
 def _peer(cpu: float) -> None:

@@ -22,11 +22,12 @@ from grader.classroom.options import Options, refuse_another
 from grader.classroom.progress import Progress
 from grader.classroom.regrade_run import judge_again
 from grader.classroom.results.options import OPTIONS, ResultOptions, column_titles, kept_text
-from grader.classroom.results.similarity import compared
+from grader.classroom.results.pair_pages import write_likeness
+from grader.classroom.results.similarity import Sources
 from grader.classroom.results.write import Written
 from grader.classroom.row import StoredResult
 from grader.classroom.store import Store
-from grader.errors import naming_a_full_disk
+from grader.errors import InputError, naming_a_full_disk
 from grader.link.scratch import sweep
 
 NO_SPACE = (
@@ -101,7 +102,7 @@ def _autograde(
             store.retry_held()
         if not regrade:
             store.again(key for key in taken_in.candidates if key[0] in only)
-        writer = _Writer(store, out, options, taken_in)
+        writer = _Writer(store, out, options, taken_in, _earlier(options.earlier))
         candidates = {
             key: candidate
             for key, candidate in taken_in.candidates.items()
@@ -125,6 +126,35 @@ def _autograde(
         return GradedClass(results, written.missing, taken_in.account)
 
 
+def _earlier(folders: Sequence[Path]) -> dict[tuple[str, str], dict[str, bytes]]:
+    """Return what was handed in in earlier years: to downloads, or to classes graded here.
+
+    Raises InputError: a folder is neither.
+    """
+    found: dict[tuple[str, str], dict[str, bytes]] = {}
+    for folder in folders:
+        if (folder / STORE).is_file():
+            with Store(folder / STORE) as store:
+                keys = [(row.student, row.exercise) for row in store.results() if not row.canary]
+                texts = {key: store.texts(key) for key in keys}
+        else:
+            with tempfile.TemporaryDirectory(prefix="course-") as scratch:
+                texts = _sources(find_class([folder], Path(scratch), Options()))
+        if not any(texts.values()):
+            raise InputError(
+                f"--earlier {folder}: expected what a class handed in, or the folder that "
+                "`course autograde` made of it, with students' files kept (run it once more there)"
+            )
+        found |= {(f"{folder.name}/{who}", slug): files for (who, slug), files in texts.items()}
+    return found
+
+
+def _sources(taken_in: Class) -> dict[tuple[str, str], dict[str, bytes]]:
+    """Return the Python of everybody who handed in, a group's once."""
+    every = taken_in.candidates.items()
+    return {key: each.texts() for key, each in every if not each.absent and not each.leader}
+
+
 def _students(words: Sequence[str], store: Store, taken_in: Class) -> set[str]:
     """Return the students who are meant; none if nobody is named.
 
@@ -138,11 +168,14 @@ def _students(words: Sequence[str], store: Store, taken_in: Class) -> set[str]:
 class _Writer:
     """Writes the results when the batch is over, or was interrupted."""
 
-    def __init__(self, store: Store, out: Path, options: Options, taken_in: Class) -> None:
+    def __init__(
+        self, store: Store, out: Path, options: Options, taken_in: Class, earlier: Sources
+    ) -> None:  # fmt: skip
         self._store = store
         self._out = out
         self._options = options
         self._taken_in = taken_in
+        self._earlier = earlier
         store.keep(OPTIONS, kept_text(self._wanted([])))  # for marks, after a kill, too
 
     def write(
@@ -151,13 +184,10 @@ class _Writer:
         """Write all results; submissions are compared with each other only when all is over."""
         wanted = self._wanted(notes)
         self._store.keep(OPTIONS, kept_text(wanted))
-        if over:
-            every = self._taken_in.candidates.items()
-            sources = {
-                key: each.texts() for key, each in every if not each.absent and not each.leader
-            }
-            if not self._taken_in.kept:  # whose files are not here
-                self._store.keep(ALIKE, msgspec.json.encode(compared(sources)).decode())
+        if over and not self._taken_in.kept:  # whose files are not here
+            sources = _sources(self._taken_in)
+            alike = write_likeness(self._out, sources, self._earlier, wanted.title)
+            self._store.keep(ALIKE, msgspec.json.encode(alike).decode())
         return write_class(self._store, self._out, wanted)
 
     def _wanted(self, notes: Sequence[str]) -> ResultOptions:

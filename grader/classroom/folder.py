@@ -21,7 +21,7 @@ from grader.classroom.store import Store
 from grader.errors import GraderError, InputError
 
 STORE = "store.sqlite"
-ALIKE = "alike"  # what the store calls it
+ALIKE = "likeness"  # what the store calls it
 UNWRITTEN = "unwritten"  # and that not all results are: somebody is at it, was killed, or failed
 
 

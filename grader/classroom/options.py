@@ -38,6 +38,7 @@ class Options:
     nbgrader: Path | None = None  # a gradebook of nbgrader's that gets the scores
     add: bool = False  # to what is graded; who isn't in these downloads stays as they are
     drop: bool = False  # who isn't in them
+    earlier: tuple[Path, ...] = ()  # folders of earlier years, to compare with
     columns: tuple[str, ...] = ()  # "EXERCISE=TITLE": the gradebook's column of an exercise
 
 

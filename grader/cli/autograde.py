@@ -40,6 +40,12 @@ EVERYBODY = "\0everybody"  # no student is called so
     "--column", "columns", multiple=True, metavar="EXERCISE=TITLE", help="The gradebook's column."
 )
 @click.option(
+    "--earlier",
+    multiple=True,
+    type=click.Path(path_type=Path, exists=True),
+    help="An earlier year's downloads or graded folder, to look for likeness. May be repeated.",
+)
+@click.option(
     "--nbgrader",
     type=click.Path(path_type=Path, dir_okay=False),
     help="Write the points into this gradebook.db of nbgrader's, too.",

@@ -223,8 +223,15 @@ def publish(
     with marking(folder) as class_:
         change = asked.publish(class_, asked.Named(students, section, everybody), exercises)
         code = _told(class_.add(change, _who(by), why))
-    pages = len(list((folder / "published").glob("*/index.html")))
-    echo(f"Students with published feedback: {pages} ({folder / 'published'})")
+    pages: dict[str, int] = {}  # of exercises
+    for page in sorted((folder / "published").glob("*/*.html")):
+        pages[page.parent.name] = pages.get(page.parent.name, 0) + (page.name != "index.html")
+    bare = [student for student, count in pages.items() if not count]
+    echo(f"Students with published feedback: {len(pages) - len(bare)} ({folder / 'published'})")
+    if bare:
+        rest = f" and {len(bare) - MOST} more" if len(bare) > MOST else ""
+        echo(f"Nothing handed in, or held, so an index without pages: "
+             f"{', '.join(bare[:MOST])}{rest}")  # fmt: skip
     return code
 
 

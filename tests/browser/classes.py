@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import random
+import tempfile
+from pathlib import Path
 from typing import Any
 
 from grader.classroom.results.options import ResultOptions
-from grader.classroom.results.similarity import compared
+from grader.classroom.results.pair_pages import write_likeness
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.lms.names import student_id
 
@@ -92,8 +94,8 @@ def stored(student: str, slug: str, made: dict[str, Any] | None, **parts: Any) -
     )  # fmt: skip
 
 
-def whole_class() -> tuple[list[StoredResult], ResultOptions]:
-    """26 students and a few odd ones, with sources of which some are copied."""
+def whole_class(out: Path | None = None) -> tuple[list[StoredResult], ResultOptions]:
+    """26 students and a few odd ones, with sources of which some are copied; pairs in `out`."""
     chance = random.Random(1)
     results, sources = [], {}
     for index, student in enumerate(map(student_id, (*NAMES, HOSTILE, LONG))):
@@ -132,7 +134,12 @@ def whole_class() -> tuple[list[StoredResult], ResultOptions]:
         "check at 09:31 that it must fail, since the machine stalled.",
         HOSTILE,
     ]
-    return results, ResultOptions(title="Robotics 2, summer", notes=notes, alike=compared(sources))
+    title = "Robotics 2, summer"
+    earlier = {("2025/zoe", slug): files for (who, slug), files in sources.items() if who == "wei"}
+    sources["yusuf", "obstacle_avoidance"] = {"obstacle_avoidance_agent.py": b"def ("}
+    with tempfile.TemporaryDirectory() as nobodys:
+        alike = write_likeness(out or Path(nobodys), sources, earlier, title)
+    return results, ResultOptions(title=title, notes=notes, alike=alike)
 
 
 def program(index: int) -> bytes:

@@ -1,7 +1,8 @@
-"""Find submissions that are nearly the same, or hold the course's own code, by runs of tokens.
+"""Find submissions that are nearly the same as another's, an earlier year's or the course's code.
 
-Names, the values of numbers and strings, comments and layout don't count, so renaming changes
-nothing. A match is a reason to ask, never a proof.
+Programs are compared by their shapes (`shapes.py`). One that few programs here have counts for
+more than one that many have: what honest programs share is what everybody writes. A match is a
+reason to ask, never a proof.
 
 Students have the checks, because their practice needs them. An oracle that is pasted into a node
 passes local checks and the instructor's; it is not the student's work, which a person has to say.
@@ -9,20 +10,18 @@ passes local checks and the instructor's; it is not the student's work, which a 
 
 from __future__ import annotations
 
-import contextlib
-import io
-import keyword
+import functools
 import re
-import sys
-import tokenize
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
-from itertools import combinations, islice
-from pathlib import Path, PurePosixPath
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import chain
+from pathlib import PurePosixPath
 from typing import TypeAlias
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
+from grader.classroom.results.shapes import shapes, shapes_of
 from grader.course.exercises import (
     EXERCISES,
     JUDGE,
@@ -33,69 +32,79 @@ from grader.course.exercises import (
 )
 from grader.link.cell import Refused, read_in_cell
 
-RUN = 20  # tokens: shorter matches are chance
-MOST = 20_000  # tokens of a student that are compared; the longest program here has 1,323
-LONGEST = 1_000  # [bytes] of a line that are compared: tokenize takes a line's length squared
-SIMILAR = 0.7  # share of the smaller one's runs; the course's own solutions share at most 0.69
-PASTED = 0.35  # share of a file that the checks hold, too; of right solutions at most 0.12
-FEW = 40  # runs; a submission with fewer is too short to compare
-COMMON = 10  # submissions at least; a run that more than half of them have is common
+SIMILAR = 0.55  # of the smaller one's weight; honest ones share at most 0.52 (docs/decisions.md)
+PASTED = 0.35  # of a file's shapes that the checks have, too; of right solutions at most 0.12
+FEW = 20  # shapes of one's own; a program with fewer is too short to compare
+RARE = 3  # programs that have a shape; it counts for most
+LINKS = 3  # shapes that bring two programs together; fewer are chance
 CHECKS = ROOT / "grader" / "checks"
 SHARED = (ROOT / "grader" / "models" / "features.py", ROOT / "grader" / "recording" / "views.py")
+LISTING = re.compile(rb"^```\s*\{?(?:code-block\}\s*)?python\}?\n(.*?)^```", re.M | re.S)
 
 # what `ros2 pkg create` writes, and what starts a package: everybody's are alike
 MADE = re.compile(r"setup\.py|__init__\.py|test_\w+\.py|.*launch\.py")
-_LAYOUT = (tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.ENCODING, tokenize.ENDMARKER)
-_WORDS = frozenset(keyword.kwlist)
 
-Texts: TypeAlias = Mapping[str, Mapping[str, bytes]]  # student: the files by name
-Words: TypeAlias = Mapping[str, Mapping[str, list[str]]]  # student: the files' tokens by name
-Prints: TypeAlias = frozenset[int]
+Prints: TypeAlias = NDArray[np.int64]  # shapes, each once, in order
+Sources: TypeAlias = Mapping[tuple[str, str], Mapping[str, bytes]]  # student, slug: files by name
+Texts: TypeAlias = Mapping[str, Mapping[str, bytes]]  # whose: the compared files by name
+
+
+class Pair(msgspec.Struct, frozen=True):
+    """Two programs that are nearly the same."""
+
+    left: str  # the student
+    right: str  # another, one of an earlier year, or a file of the course's
+    file: str
+    similarity: float  # 0 … 1
+    page: str = ""  # where both stand side by side, from the class report
 
 
 class Group(msgspec.Struct, frozen=True):
     """Students whose files are nearly the same."""
 
-    file: str
     students: tuple[str, ...]
-    similarity: float  # 0 … 1, of the closest pair
-
-
-class OwnCode(msgspec.Struct, frozen=True):
-    """A submission that holds code of the course's."""
-
-    student: str
-    file: str
-    source: str  # the course's file that most of it is in
-    similarity: float  # 0 … 1, of the submission's own code
+    pairs: tuple[Pair, ...]  # the closest ones that connect them all
 
 
 class Alike(msgspec.Struct, frozen=True):
     """What comparing the submissions to one exercise came to."""
 
     count: int  # submissions
-    groups: tuple[Group, ...]
-    own: tuple[OwnCode, ...]
+    groups: tuple[Group, ...] = ()
+    taken: tuple[Pair, ...] = ()  # from an earlier year or the course
+    unread: tuple[tuple[str, str], ...] = ()  # who is not compared, and why
 
 
-def compared(sources: Mapping[tuple[str, str], Mapping[str, bytes]]) -> dict[str, Alike]:
-    """Compare the submissions to each exercise: the files of (student, slug)."""
-    found = {}
-    for slug in sorted({slug for _, slug in sources}):
-        texts = {
-            student: parts_of(files, find_exercise(slug).files)
-            for (student, each), files in sources.items()
-            if each == slug
-        }
-        given = {file.name: file.read_bytes() for file in sorted((EXERCISES / slug).glob("*.py"))}
-        words = words_of(texts)
-        groups, own = similar_groups(words, given), own_code(words, given, slug)
-        found[slug] = Alike(len(texts), tuple(groups), tuple(own))
-    return found
+def compared(texts: Texts, earlier: Texts, slug: str) -> Alike:
+    """Compare the submissions to an exercise (`texts_of`), and earlier years' with them."""
+    given, checks = given_shapes(slug), _checks(slug)
+    every = np.unique(np.concatenate([given, *checks.values()]))
+    mine, unread = _read(texts)
+    old, _ = _read(earlier)
+    course = {name: _prints(shapes(text)) for name, text in _solutions(slug).items()}
+    within: list[Pair] = []
+    taken: list[Pair] = []
+    for file in sorted({name for files in mine.values() for name in files}):
+        own = {who: files[file] for who, files in mine.items() if file in files}
+        others = {who: files[file] for who, files in old.items() if file in files} | course
+        prints = [np.setdiff1d(each, every) for each in (*own.values(), *others.values())]
+        names = [*own, *others]
+        found = [Pair(names[a], names[b], file, each) for each, a, b in _pairs(prints, len(own))]
+        within += [pair for pair in found if pair.right in own]
+        known = [pair for pair in reversed(found) if pair.right not in own]
+        closest_of_each = {(pair.left, pair.right in course): pair for pair in known}
+        taken += [*closest_of_each.values(), *_pasted(file, own, given, checks)]
+    return Alike(len(texts), tuple(_groups(within)), tuple(closest(taken)), tuple(unread))
+
+
+def texts_of(sources: Sources, slug: str) -> Texts:
+    """Return what is compared of the submissions to an exercise."""
+    names = find_exercise(slug).files
+    return {who: parts_of(files, names) for (who, each), files in sources.items() if each == slug}
 
 
 def parts_of(files: Mapping[str, bytes], names: Sequence[str]) -> dict[str, bytes]:
-    """Return what is compared of a submission: the exercise's files (`names`), its own modules.
+    """Return what is compared of a submission: the exercise's files (`names`).
 
     The first file counts with all modules that came along: where a node's parts lie, in which
     package, makes no difference. Other exercises' files are compared with theirs.
@@ -103,143 +112,127 @@ def parts_of(files: Mapping[str, bytes], names: Sequence[str]) -> dict[str, byte
     exercises = {name for exercise in all_exercises() for name in exercise.files}
     named = {PurePosixPath(place).name: files[place] for place in sorted(files)}
     parts = {name: named[name] for name in names if name in named}
-    own = {n: text for n, text in named.items() if n not in exercises and not MADE.fullmatch(n)}
-    if parts and own:
-        first = next(iter(parts))
-        parts[first] = b"\n".join([parts[first], *own.values()])
-    return {**own, **parts}
+    own = [t for name, t in named.items() if name not in exercises and not MADE.fullmatch(name)]
+    if own:
+        first = next(iter(parts), names[0])
+        parts[first] = b"\n".join([*filter(None, [parts.get(first)]), *own])
+    return parts
 
 
-def words_of(texts: Texts) -> dict[str, dict[str, list[str]]]:
-    """Return the tokens of each student's files, in processes of their own.
+def closest(pairs: Iterable[Pair]) -> list[Pair]:
+    """Return pairs in order, the most similar first."""
+    return sorted(pairs, key=lambda pair: (-pair.similarity, pair.left, pair.right, pair.file))
 
-    Files that can't be read so are compared with nobody's.
+
+def course_text(name: str) -> bytes:
+    """Return a file of the course's that a pair names."""
+    return (ROOT / name).read_bytes()
+
+
+@functools.cache
+def given_shapes(slug: str) -> Prints:
+    """Return the shapes of what students are handed: skeletons, and listings in texts."""
+    pages = [*(EXERCISES / slug).glob("*.md"), *(ROOT / "lessons").glob("*.md")]
+    listings = [found for page in pages for found in LISTING.findall(page.read_bytes())]
+    every = [file.read_bytes() for file in (EXERCISES / slug).glob("*.py")]
+    for text in listings:
+        try:
+            shapes(text)
+        except SyntaxError:  # lines of an output, or a part of a program
+            continue
+        every.append(text)
+    return np.unique(_prints(chain.from_iterable(map(shapes, every))))
+
+
+# --- what is read --------------------------------------------------------------------------------
+
+
+def _read(texts: Texts) -> tuple[dict[str, dict[str, Prints]], list[tuple[str, str]]]:
+    """Return the shapes of each student's files, read in the cell; and who can't be read, why."""
+    found, unread = {}, []
+    for who, files in texts.items():
+        try:
+            every = read_in_cell(shapes_of, list(files.values()), returns=list[list[int]])
+            found[who] = {name: _prints(each) for name, each in zip(files, every, strict=True)}
+        except Refused as error:
+            unread.append((who, str(error)))
+    return found, unread
+
+
+def _prints(each: Iterable[int]) -> Prints:
+    return np.fromiter(each, np.int64)
+
+
+def _solutions(slug: str) -> dict[str, bytes]:
+    files = sorted((SOLUTIONS / slug).rglob("*.py"))
+    return {file.relative_to(ROOT).as_posix(): file.read_bytes() for file in files}
+
+
+@functools.cache
+def _checks(slug: str) -> dict[str, Prints]:
+    files = [*CHECKS.glob("*.py"), *(JUDGE / slug).glob("*.py"), *SHARED]
+    return {f.relative_to(ROOT).as_posix(): _prints(shapes(f.read_bytes())) for f in sorted(files)}
+
+
+# --- what is compared ----------------------------------------------------------------------------
+
+
+def _pairs(programs: Sequence[Prints], own: int) -> list[tuple[float, int, int]]:
+    """Return the pairs that are SIMILAR, the closest first; the first `own` are the class.
+
+    Only those are looked at that stand side by side among the holders of some shapes, and each with
+    the last of them: so it takes time in proportion to what was handed in, a group of copies stays
+    connected, and all of it meets an earlier year's.
     """
-    found = {}
-    for student, files in texts.items():
-        with contextlib.suppress(Refused):
-            every = read_in_cell(tokens_of, list(files.values()), returns=list[list[str]])
-            found[student] = {
-                name: [sys.intern(word) for word in words]
-                for name, words in zip(files, every, strict=True)
-            }
-    return found
-
-
-def tokens_of(sources: Sequence[bytes]) -> list[list[str]]:
-    """Return the tokens of several files, MOST of all together."""
-    left, found = MOST, []
-    for source in sources:
-        found.append(tokens(source, left))
-        left -= len(found[-1])
-    return found
-
-
-def similar_groups(words: Words, given: Mapping[str, bytes]) -> list[Group]:
-    """Return the groups of near-identical submissions to one exercise, the closest first.
-
-    The lines of what was `given`, the skeletons, don't count as similar.
-    """
-    groups = []
-    for file in sorted({name for files in words.values() for name in files}):
-        mine = {student: files[file] for student, files in words.items() if file in files}
-        groups += _groups_of(file, mine, prints_of(given.get(file, b"")))
-    return sorted(groups, key=lambda group: (-group.similarity, group.file, group.students))
-
-
-def own_code(words: Words, given: Mapping[str, bytes], exercise: str) -> list[OwnCode]:
-    """Return the submissions to an exercise that hold the course's code, the most first."""
-    handed_out = Prints().union(*map(prints_of, given.values()))
-    checks = _prints([*CHECKS.glob("*.py"), *(JUDGE / exercise).glob("*.py"), *SHARED], handed_out)
-    solutions = _prints((SOLUTIONS / exercise).rglob("*.py"), handed_out)
-    every = Prints().union(*checks.values())
-    found = []
-    for student, files in words.items():
-        for file, text in files.items():
-            own = _runs(text) - handed_out
-            if len(own) < FEW:
-                continue
-            pasted = len(own & every) / len(own)
-            if pasted >= PASTED:
-                found.append(OwnCode(student, file, _most(own, checks), pasted))
-            source = _most(own, solutions)
-            copied = _shared(own, solutions.get(source, Prints()))
-            if copied >= SIMILAR:
-                found.append(OwnCode(student, file, source, copied))
-    return sorted(found, key=lambda match: (-match.similarity, match.student, match.file))
-
-
-def tokens(source: bytes, most: int = MOST) -> list[str]:
-    """Return a file's tokens without names and values; its words if it isn't Python."""
-    found: list[str] = []
-    lines = (line[:LONGEST] for line in io.BytesIO(source))
-    try:
-        for token in islice(tokenize.tokenize(lambda: next(lines, b"")), most):
-            if token.type not in _LAYOUT:
-                found.append(_word(token))
-    except Exception:  # whatever a file makes tokenize raise: LookupError for "coding: rot13"
-        return source.decode("utf-8", "replace").split()[:most]
-    return found
-
-
-def prints_of(source: bytes) -> Prints:
-    """Return the hashes of a file's runs of tokens; they differ between processes."""
-    return _runs(tokens(source))
-
-
-def _runs(words: Sequence[str]) -> Prints:
-    return frozenset(hash(tuple(words[i : i + RUN])) for i in range(len(words) - RUN + 1))
-
-
-def _word(token: tokenize.TokenInfo) -> str:
-    if token.type == tokenize.NAME:
-        return token.string if token.string in _WORDS else "name"
-    if token.type in (tokenize.OP, tokenize.ERRORTOKEN):
-        return token.string
-    return tokenize.tok_name[token.type]  # NUMBER, STRING, INDENT, …
-
-
-def _prints(files: Iterable[Path], handed_out: Prints) -> dict[str, Prints]:
-    return {
-        file.relative_to(ROOT).as_posix(): prints_of(file.read_bytes()) - handed_out
-        for file in sorted(files)
-    }
-
-
-def _most(own: Prints, sources: Mapping[str, Prints]) -> str:
-    return max(sources, key=lambda source: len(own & sources[source]), default="")
-
-
-def _shared(mine: Prints, theirs: Prints) -> float:
-    """Return the share of the smaller one that both have; 0 if it is too short."""
-    smaller = min(len(mine), len(theirs))
-    return len(mine & theirs) / smaller if smaller >= FEW else 0.0
-
-
-def _groups_of(file: str, words: Mapping[str, list[str]], handed_out: Prints) -> list[Group]:
-    own = {student: _runs(text) - handed_out for student, text in words.items()}
-    holders = Counter(print_ for prints in own.values() for print_ in prints)
-    most = max(COMMON, len(own)) / 2
-    common = frozenset(print_ for print_, n in holders.items() if n > most)
-    links: dict[tuple[str, str], float] = {}
-    for a, b in combinations(sorted(s for s in own if len(own[s]) >= FEW), 2):
-        alike = 1.0 if words[a] == words[b] else _shared(own[a] - common, own[b] - common)
-        if alike >= SIMILAR:
-            links[a, b] = alike
-    return [
-        Group(
-            file=file,
-            students=tuple(sorted(members)),
-            similarity=max(links[pair] for pair in links if pair[0] in members),
+    count = len(programs)
+    lengths = [len(each) for each in programs]
+    owner = np.repeat(np.arange(count), lengths)
+    _, which, holders = np.unique(np.concatenate(programs), return_inverse=True, return_counts=True)
+    weights = np.log((count + 2) / np.maximum(holders, RARE))
+    whole = np.bincount(owner, weights[which], count)
+    ids = np.split(which, np.cumsum(lengths)[:-1])
+    by_shape = np.lexsort((owner, which))
+    shape, holder = which[by_shape], owner[by_shape]
+    last = holder[np.cumsum(holders) - 1][shape]
+    beside = np.append(holder[1:], 0)
+    links = [
+        (holder * count + other)[(other > holder) & same]
+        for other, same in (
+            (beside, np.append(shape[1:] == shape[:-1], False)),
+            (last, last >= own),
         )
-        for members in _connected(links)
     ]
+    met, times = np.unique(np.concatenate(links), return_counts=True)
+    found = []
+    for link in met[times >= LINKS]:
+        a, b = divmod(int(link), count)
+        if a < own and min(len(programs[a]), len(programs[b])) >= FEW:
+            shared = weights[np.intersect1d(ids[a], ids[b], assume_unique=True)].sum()
+            found.append((round(float(shared / min(whole[a], whole[b])), 3), a, b))
+    return sorted((each for each in found if each[0] >= SIMILAR), reverse=True)
 
 
-def _connected(links: Iterable[tuple[str, str]]) -> list[set[str]]:
-    """Return the connected groups of the graph with these links."""
-    groups: dict[str, set[str]] = defaultdict(set)
-    for pair in links:
-        together = set(pair).union(*(groups[student] for student in pair))
-        groups |= dict.fromkeys(together, together)
-    return list({min(group): group for group in groups.values()}.values())
+def _pasted(
+    file: str, own: Mapping[str, Prints], given: Prints, checks: Mapping[str, Prints]
+) -> Iterator[Pair]:
+    """Return the programs that hold the checks' code, with the file that most of it is in."""
+    every = np.unique(np.concatenate(list(checks.values())))
+    for who, prints in own.items():
+        mine = np.setdiff1d(prints, given)
+        share = np.isin(mine, every).mean() if len(mine) >= FEW else 0.0
+        if share >= PASTED:
+            most = max(checks, key=lambda name: int(np.isin(mine, checks[name]).sum()))
+            yield Pair(who, most, file, round(float(share), 3))
+
+
+def _groups(pairs: Iterable[Pair]) -> list[Group]:
+    """Return who belongs together, and the closest pairs that connect them (Kruskal's)."""
+    groups: dict[str, tuple[set[str], list[Pair]]] = {}
+    for pair in closest(pairs):
+        left, right = (groups.setdefault(who, ({who}, [])) for who in (pair.left, pair.right))
+        if left is not right:
+            joined = left[0] | right[0], [*left[1], *right[1], pair]
+            groups |= dict.fromkeys(joined[0], joined)
+    every = {id(group): group for group in groups.values()}.values()
+    made = [Group(tuple(sorted(members)), tuple(closest(inside))) for members, inside in every]
+    return sorted(made, key=lambda group: (-group.pairs[0].similarity, group.students))

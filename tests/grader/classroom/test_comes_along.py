@@ -12,12 +12,7 @@ from grader.classroom.candidates import find_class
 from grader.classroom.intake.exercise_files import find_files
 from grader.classroom.intake.students import take_in
 from grader.classroom.options import Options
-from grader.classroom.results.similarity import (
-    own_code,
-    parts_of,
-    similar_groups,
-    words_of,
-)
+from grader.classroom.results.similarity import compared, parts_of
 from grader.course.exercises import find_exercise
 
 SLUG = "obstacle_avoidance"
@@ -113,11 +108,11 @@ def test_what_lies_in_modules_is_compared(tmp_path: Path) -> None:
     exercise = find_exercise(SLUG)
     whole = (exercise.solutions / FILE).read_bytes()
     lines = whole.splitlines(keepends=True)
-    half = len(lines) // 2
+    half = lines.index(b"class ObstacleAvoidanceAgent(Node):\n")
     first, second = b"".join(lines[:half]), b"".join(lines[half:])
     cut = {"setup.py": b"x", f"ann/{FILE}": first, "ann/rest.py": second, "c.yaml": b"x"}
     texts = {"ann": parts_of(cut, [FILE]), "ben": parts_of({FILE: whole}, [FILE])}
 
-    assert [group.students for group in similar_groups(words_of(texts), {})] == [("ann", "ben")]
-    given = {FILE: (exercise.folder / FILE).read_bytes()}
-    assert "ann" in {match.student for match in own_code(words_of(texts), given, SLUG)}
+    found = compared(texts, {}, SLUG)
+    assert [group.students for group in found.groups] == [("ann", "ben")]
+    assert {pair.left for pair in found.taken} == {"ann", "ben"}

@@ -12,6 +12,7 @@ from marked_class import points, scores
 
 from grader.classroom.amendments.change import Score
 from grader.classroom.marking import marking
+from grader.course.exercises import find_exercise
 from grader.errors import InputError
 from grader.lms.people import Roster
 from grader.lms.sheets import read_roster
@@ -105,3 +106,26 @@ def test_a_mark_follows_who_hands_in_later(
     (tmp_path / "two.csv").write_text(GRADEBOOK.replace('"Zed, Nob",3,nob', '"Ono, Yo",4,yo'))
     grade_class(roster=read_roster([tmp_path / "two.csv"]), drop=True)
     assert "is about somebody who is not in the class: Nob Zed" in (out / "class.html").read_text()
+
+
+def test_earlier_years_are_downloads_or_classes_graded_here(
+    grade_class: Any, handed_in: Path, tmp_path: Path
+) -> None:
+    """Ann hands in what Bob handed in last year, with other names."""
+    source = (find_exercise(SLUG).solutions / "variants" / "compact.py").read_bytes()
+    (handed_in / "bob" / FILE).write_bytes(source)
+    grade_class()
+    last_year, download = tmp_path / "2025", tmp_path / "2024"
+    (tmp_path / "out").rename(last_year)
+    handed_in.rename(download)
+    (handed_in / "ann").mkdir(parents=True)
+    (handed_in / "ann" / FILE).write_bytes(source.replace(b"readings", b"mine"))
+    for folder in (last_year, download):
+        grade_class(earlier=(folder,))
+        (page,) = (tmp_path / "out" / "likeness" / SLUG).glob("1.html")
+        said = (tmp_path / "out" / "class.html").read_text("utf-8")
+        assert f"likeness/{SLUG}/1.html" in said
+        assert "mine.append" in page.read_text("utf-8")
+    (tmp_path / "empty" / "ann").mkdir(parents=True)
+    with pytest.raises(InputError, match="empty"):
+        grade_class(earlier=(tmp_path / "empty",))

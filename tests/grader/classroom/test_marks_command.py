@@ -18,6 +18,7 @@ from grader.classroom.options import Options
 from grader.classroom.work import Unit, UnitResult
 from grader.cli import cli
 from grader.errors import GraderError, InputError
+from grader.lms.people import Person, Roster
 
 
 @pytest.fixture
@@ -193,3 +194,10 @@ def test_after_ctrl_c_what_is_there_is_complete(grade_class: Any, tmp_path: Path
     assert "ann,,ann,,100" in (out / "canvas" / f"{SLUG}.csv").read_text()
     grade_class()
     assert points(out) == dict.fromkeys(("ann", "bob", "eve"), "100")
+
+
+def test_who_has_nothing_to_be_published_is_named(course: Course, grade_class: Any) -> None:
+    grade_class(roster=Roster((Person("zoe", ids={"login": "zoe"}),)))
+    said = course("marks publish", "--all", "--why", "looked at")[1]
+    assert "Students with published feedback: 3 " in said
+    assert said.splitlines()[-1].endswith("an index without pages: zoe")
