@@ -1,15 +1,13 @@
-"""What grading a class costs: CPU and wall time per submission, memory, and a peer's figure.
+"""What grading a class costs: CPU and wall time per submission, memory, growth.
 
-The peer is `nbgrader autograde` of a notebook with one trivial cell, in the same run; without
-nbgrader that line says so. With --dask whole classes are graded on a cluster on this machine,
-by `course autograde --dask` as an instructor calls it, and nothing else is measured.
+With --dask whole classes are graded on a cluster on this machine, by `course autograde --dask` as
+an instructor calls it, and nothing else is measured. Other graders' figures: peers.py.
 """
 
 from __future__ import annotations
 
 import argparse
 import contextlib
-import importlib.util
 import itertools
 import os
 import resource
@@ -34,7 +32,6 @@ from rclpy.node import Node
 rclpy.init()
 node = Node("obstacle_avoidance_agent")
 """  # ends at once: what remains is the price of grading
-SETTINGS = "c = get_config()\nc.CourseDirectory.course_id = 'bench'\n"
 
 
 @dataclass(frozen=True)
@@ -63,11 +60,10 @@ def main() -> int:
             print(_class_on_dask(count, workers), flush=True)
         return 0
     exercise = find_exercise(given.exercise)
-    texts = {name: (exercise.solutions / name).read_bytes() for name in exercise.files}
-    unit = Unit("warm", exercise.slug, texts, bags=False, field=given.field, trust=given.trust)
-    before = _cpu_seconds()
+    unit = replace(reference_unit(exercise.slug), field=given.field, trust=given.trust)
+    before = cpu_seconds()
     first = grade_unit(unit)
-    cold = _cpu_seconds() - before
+    cold = cpu_seconds() - before
     if first.grading is None:
         print(first.problem)
         return 1
@@ -81,16 +77,22 @@ def main() -> int:
         f"{cpu:.2f} CPU s and {wall:.2f} s each (medians); the first, cold: {cold:.2f} CPU s"
     )
     _growth(results)
-    _peer(cpu)
     return 0
+
+
+def reference_unit(name: str) -> Unit:
+    """Return an exercise's reference, as a student's submission."""
+    exercise = find_exercise(name)
+    texts = {file: (exercise.solutions / file).read_bytes() for file in exercise.files}
+    return Unit("warm", exercise.slug, texts, bags=False)
 
 
 def _cost(unit: Unit) -> _Cost:
     """Grade a unit; its grading, which would fill the memory that is measured, is not kept."""
-    before = _cpu_seconds()
+    before = cpu_seconds()
     wall = grade_unit(unit).wall_s
     size = int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-    return _Cost(_cpu_seconds() - before, wall, size)
+    return _Cost(cpu_seconds() - before, wall, size)
 
 
 def _growth(results: list[_Cost]) -> None:
@@ -153,9 +155,8 @@ def _class_on_dask(count: int, workers: int) -> str:
 @contextlib.contextmanager
 def _dask(*words: str) -> Iterator[int]:
     """Run a part of Dask; yield its process's id."""
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     command = [sys.executable, "-m", "distributed.cli.dask_" + words[0], *words[1:]]
-    process = subprocess.Popen(command, **quiet)
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         yield process.pid
     finally:
@@ -171,54 +172,7 @@ def _peak(pid: int) -> float:
     return 0.0
 
 
-def _peer(cpu: float) -> None:
-    if importlib.util.find_spec("nbgrader") is None:
-        print("nbgrader: skipped, it is not installed (the extra `notebooks`); no ratio")
-        return
-    theirs = _nbgrader_seconds()
-    print(
-        f"nbgrader autograde, one trivial cell: {theirs:.2f} CPU s (a process each, as it is "
-        f"run); ours is {cpu / theirs:.2f} times that"
-    )
-
-
-def _nbgrader_seconds() -> float:
-    import nbformat  # noqa: PLC0415
-    from nbformat import v4  # noqa: PLC0415
-
-    cell = v4.new_code_cell("assert 1 + 1 == 2")
-    cell.metadata["nbgrader"] = {
-        "grade": True, "grade_id": "one", "locked": True, "points": 1, "schema_version": 3,
-        "solution": False, "task": False,
-    }  # fmt: skip
-    spec = {"name": "python3", "display_name": "Python 3", "language": "python"}
-    notebook = v4.new_notebook(cells=[cell], metadata={"kernelspec": spec})
-    with tempfile.TemporaryDirectory(prefix="course-peer-") as name:
-        folder = Path(name)
-        (folder / "nbgrader_config.py").write_text(SETTINGS)
-        for part in ("source/one", "submitted/ann/one"):
-            (folder / part).mkdir(parents=True)
-            nbformat.write(notebook, folder / part / "one.ipynb")
-        command = [sys.executable, "-m", "nbgrader"]
-        # nbgrader starts `alembic` by name, and finds it only in an environment that is activated
-        programs = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-        environment = {**os.environ, "PATH": programs}
-        quiet = {
-            "cwd": folder,
-            "env": environment,
-            "stdout": subprocess.DEVNULL,
-            "stderr": subprocess.DEVNULL,
-        }
-        subprocess.run([*command, "generate_assignment", "one"], check=True, **quiet)
-        times = []
-        for _ in range(3):
-            before = _children_seconds()
-            subprocess.run([*command, "autograde", "one", "--force"], check=True, **quiet)
-            times.append(_children_seconds() - before)
-        return median(times)
-
-
-def _cpu_seconds() -> float:
+def cpu_seconds() -> float:
     """Return the CPU time of this process and its descendants, dead ones included [s].
 
     The host's fork server lives on from unit to unit, so `os.times` does not have the nodes.
@@ -243,11 +197,6 @@ def _ticks(pid: int) -> int:
     except OSError:
         return 0
     return sum(map(int, after_name[11:15]))
-
-
-def _children_seconds() -> float:
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 if __name__ == "__main__":

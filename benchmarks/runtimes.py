@@ -16,7 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
-from lockstep import ECHO, SPIN
+from peers import ECHO, SPIN
 
 from grader.authoring.claims import claims, grade_claim
 from grader.course.exercises import all_exercises, find_exercise
@@ -87,7 +87,7 @@ def main() -> None:
     for exercise in exercises or all_exercises():
         reference = next(iter(claims(exercise)))
         table(exercise.slug, side_by_side(
-            exercise.libraries, lambda server, claim=reference: grade_claim(claim, server)))  # type: ignore[misc,arg-type]  # fmt: skip
+            exercise.libraries, lambda server, claim=reference: grade_claim(claim, server)))  # type: ignore[misc]  # fmt: skip
 
 
 if __name__ == "__main__":
