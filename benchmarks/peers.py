@@ -309,8 +309,8 @@ def _otter() -> float:
 
 def notebook(file: Path, metadata: dict[str, object]) -> None:
     """Write a notebook with one trivial cell."""
-    cell: dict[str, object] = {"cell_type": "code", "id": "one", "source": "assert 1 + 1 == 2", "outputs": [],
-            "execution_count": None, "metadata": metadata}  # fmt: skip
+    cell: dict[str, object] = {"cell_type": "code", "id": "one", "source": "assert 1 + 1 == 2"}
+    cell |= {"outputs": [], "execution_count": None, "metadata": metadata}
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
     content = {"cells": [cell], "metadata": {"kernelspec": kernel}, "nbformat": 4}
     file.write_bytes(msgspec.json.encode({**content, "nbformat_minor": 5}))
