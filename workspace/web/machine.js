@@ -35,7 +35,7 @@ class Hand {
   /** Call a method of workspace.runtime.Runtime in a fresh copy of the warm process; return what it says, and recordings. */
   async call(call, order, { files = {}, recordings = {} }) {
     await this.ready();
-    [this.reached, this.where] = [0, order.scenario || 'the judgement'];
+    [this.reached, this.where] = [0, order.scenario || (call === 'judge' ? 'the judgement' : 'the drive')];
     this.watch();
     try {
       const { said, recordings: made } = await this.send({ call, order, files, recordings });
@@ -83,10 +83,19 @@ class Hand {
 
 /** All workers: the one that is waited for, and a spare, where there is a processor and memory for it. */
 export class Machine {
-  constructor(manifest, listeners) {
+  constructor(manifest) {
+    this.manifest = manifest;
+    this.user = null; // the workspace that hears of what is done
+    const listeners = { onnews: (hand, news) => this.user.hear(hand, news), onsilence: (hand) => this.user.ask(hand) };
     const memory = navigator.deviceMemory ?? (matchMedia('(pointer: fine)').matches ? 8 : 2); // [GB]
     const most = navigator.hardwareConcurrency > 1 && memory >= 4 ? 2 : 1;
     this.hands = Array.from({ length: most }, () => new Hand(manifest, listeners));
+  }
+
+  /** Serve a workspace; what another one was at is stopped. */
+  serve(user) {
+    if (this.user !== user) this.hands.filter((hand) => hand.isWarm && hand.waiting).forEach((hand) => hand.end(new Stopped()));
+    this.user = user;
   }
 
   /** Return a warm hand; the others get ready meanwhile. */

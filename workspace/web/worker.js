@@ -7,7 +7,7 @@ let image;
 let top; // of the stack, when the image was made
 const calls = {}; // methods of workspace.runtime.Runtime
 
-const CACHE = 'course-workspace'; // also in workspace.js
+const CACHE = 'course-workspace'; // also in keep.js
 const PLAIN = { 'pyodide.asm.wasm': 'application/wasm', 'python_stdlib.zip': 'application/zip' };
 
 /** Fetch a file of the workspace, or have it from this browser's store: its address holds its hash. */
@@ -85,7 +85,7 @@ class Browser:
 page = runtime.warm("${RECORDINGS}", reached, ${threads ? 'Browser' : 'None'})
 `);
   const page = python.globals.get('page');
-  for (const name of ['trial', 'judge', 'replay', 'thread']) calls[name] = page[name];
+  for (const name of ['trial', 'drive', 'judge', 'replay', 'thread']) calls[name] = page[name];
   image = python._module.HEAPU8.slice();
   top = python._module.stackSave();
 }
@@ -117,8 +117,9 @@ async function answer(call, order, files, recordings) {
   fill(FOLDER, files);
   fill(RECORDINGS, recordings);
   restore();
-  const said = threads && call === 'trial' ? await calls.trial.callPromising(JSON.stringify(order)) : calls[call](JSON.stringify(order));
-  const made = call === 'trial' ? python.FS.readdir(RECORDINGS).filter((name) => !name.startsWith('.')) : [];
+  const isTrial = call === 'trial' || call === 'drive';
+  const said = threads && isTrial ? await calls[call].callPromising(JSON.stringify(order)) : calls[call](JSON.stringify(order));
+  const made = isTrial ? python.FS.readdir(RECORDINGS).filter((name) => !name.startsWith('.')) : [];
   const contents = Object.fromEntries(made.map((name) => [name, python.FS.readFile(`${RECORDINGS}/${name}`)]));
   postMessage({ kind: 'answer', said, recordings: contents }, Object.values(contents).map(({ buffer }) => buffer));
 }
