@@ -85,8 +85,6 @@ class Runtime:
             time.thread_time, time.thread_time_ns = time.process_time, time.process_time_ns
         import pytest  # noqa: F401
 
-        import rich.pretty  # noqa: F401  (what it imports at the first print)
-
         import grader.cli
         import grader.drive
         import grader.grading.causes
@@ -94,8 +92,10 @@ class Runtime:
         import grader.report.page
         import grader.trial.virtual_time  # noqa: F401
         from grader.link.in_process import InProcess
+        from grader.report.terminal import Console
         from sim.messages import EPOCH_NS, typestore
 
+        Console(file=io.StringIO()).print("[bold]…[/]")  # what it imports at the first line
         for name in MESSAGES:
             __import__(name)
         typestore()
