@@ -17,8 +17,8 @@ const BROKEN = 'The link to this page holds no code that can be read: it was cut
 /** Return a button. */
 export const button = (text, act, more = {}) => el('button', { type: 'button', onclick: act, ...more }, text);
 
-/** Tell a replay whether the site is light or dark. */
-function shade(frame) { frame.contentWindow?.postMessage({ theme: document.body.dataset.theme }, '*'); }
+/** Tell a replay whether the site is light or dark, and whether to play. */
+function tell(frame, play = false) { frame.contentWindow?.postMessage({ theme: document.body.dataset.theme, play }, '*'); }
 
 /** Say in a sentence why this page can't run a node; '' if it can. */
 function whyNot(what, threads) {
@@ -76,7 +76,7 @@ export class Workspace {
     this.mains = [...this.dialog.querySelectorAll('.ws-main')];
     this.listVersions();
     this.enable();
-    new MutationObserver(() => this.replay.querySelectorAll('iframe').forEach(shade))
+    new MutationObserver(() => this.replay.querySelectorAll('iframe').forEach((frame) => tell(frame)))
       .observe(document.body, { attributeFilter: ['data-theme'] });
     addEventListener('beforeunload', (event) => { if (!this.shelf.works && this.changed) event.preventDefault(); });
   }
@@ -196,16 +196,16 @@ export class Workspace {
 
   /** Show the replay of a drive; return in a sentence how it ended. */
   async showDrive(ended, scenario, recordings, title) {
-    await this.play([scenario], [], recordings, title);
+    await this.play([scenario], [], recordings, title, ended.kind === 'completed');
     if (ended.kind === 'completed') return `Driven to the end of ${scenario}.`;
     this.mark({ where: ended.where, message: ended.text });
     return `${scenario} ended early: ${ended.text}`;
   }
 
-  async play(scenarios, checks, recordings, title) {
+  async play(scenarios, checks, recordings, title, atOnce = false) {
     const [html] = await this.machine.call('replay', { scenarios, checks, title }, { recordings });
     const frame = el('iframe', { title: 'Replay', sandbox: 'allow-scripts' });
-    frame.addEventListener('load', () => shade(frame));
+    frame.addEventListener('load', () => tell(frame, atOnce));
     frame.srcdoc = html;
     this.replay.replaceChildren(frame);
   }
