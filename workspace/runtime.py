@@ -159,7 +159,6 @@ class Runtime:
         from grader import cli, drive
         from grader.cli.drive import Elsewhere
         from grader.link.in_process import StartEarlier
-        from grader.recording import Recording
         from grader.trial.virtual_time import Limits
 
         wanted, made, printed = json.loads(order), [], io.StringIO()
