@@ -229,3 +229,58 @@ def test_a_later_visit_needs_no_server(chromium: Any, site: Path, tmp_path: Path
     page.get_by_role("button", name="Drive").click()
     assert "Driven to the end" in settle(page)
     context.close()
+
+
+def test_every_key_that_is_typed_arrives_though_the_site_has_shortcuts(
+    open_workspace: Any,
+) -> None:
+    page = open_workspace()
+    type_in(page, "")
+    page.keyboard.type("topic = '/cmd_vel'  # a // b, f s ?", delay=1)
+    assert "'/cmd_vel'  # a // b, f s ?" in typed(page)
+
+
+def test_what_the_server_should_not_have_sent_is_not_kept(open_served: Any) -> None:
+    page = open_served(f"exercises/{SLUG}/README.html")
+    login = {"status": 200, "content_type": "text/html", "body": "<h1>Log in</h1>"}
+    page.context.route("**/course.pack*", lambda route: route.fulfill(**login))
+    page.get_by_role("button", name="Open the workspace").click()
+    page.locator(".cm-content").wait_for()
+    assert "course.pack: the server sends something else" in settle(page)
+    page.context.unroute("**/course.pack*")
+    page.reload()
+    assert settle(page) == "Ready."
+
+
+def test_code_of_a_link_cannot_reach_the_site(open_workspace: Any) -> None:
+    page = open_workspace()
+    settle(page)
+    names = ("caches", "indexedDB", "fetch", "XMLHttpRequest", "WebSocket", "Worker", "navigator")
+    script = " + ".join(f"typeof {name}" for name in names)
+    hidden = "typeof WorkerGlobalScope.prototype.fetch"
+    text = f"raise ValueError(run_js({script!r}) + ' ' + run_js({hidden!r}))"
+    type_in(page, f"from pyodide.code import run_js\n\n{text}\n")
+    page.keyboard.press("Control+Enter")
+    assert f"ValueError: {'undefined' * len(names)} undefined" in settle(page)
+
+
+def test_two_tabs_do_not_overwrite_each_other(open_workspace: Any) -> None:
+    page = open_workspace()
+    settle(page)
+    type_in(page, "# mine\n")
+    other = page.context.new_page()
+    other.goto(page.url)
+    other.locator(".ws-status", has_text="open in another tab").wait_for(timeout=SLOW)
+    type_in(other, "# theirs\n")
+    page.reload()
+    page.locator(".cm-line", has_text="mine").wait_for()
+
+
+def test_a_python_that_a_node_broke_starts_anew(open_workspace: Any) -> None:
+    page = open_workspace()
+    settle(page)
+    assert check(page, "import os\n\nos.abort()\n").startswith("Your node broke Python itself")
+    assert check(page, "print('still here')\n").startswith("0 of 100")
+    assert page.locator(".ws-stale").is_hidden()
+    type_in(page, "# changed\n")
+    assert page.locator(".ws-stale").is_visible()

@@ -52,7 +52,7 @@ export class Exercise extends Workspace {
         el('label', { for: 'ws-seed', class: 'ws-seed' }, 'seed', this.seed),
         button('Check', () => this.check(), { title: 'Ctrl-Shift-Enter', class: 'ws-main' }),
       ],
-      fileTools: [this.changesButton],
+      fileTools: [button('Task', () => this.showTask(), { title: 'What is to be done' }), this.changesButton],
       result: [this.score, el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)))],
       names: ['Code', 'Replay', 'Checks'],
       empty: 'Drive the node, or check it: its run is shown here.',
@@ -73,6 +73,10 @@ export class Exercise extends Workspace {
   trial(hand, scenario, more) { return this.run(hand, 'trial', { others: this.plan.files, scenario, ...more }); }
 
   drive() {
+    if (!this.seed.checkValidity()) {
+      this.say('The seed is a whole number from 0 to 1000000.');
+      return null;
+    }
     const scenario = this.scenario.value;
     const seed = this.seed.value === '' ? {} : { seed: Number(this.seed.value) };
     this.editor.mark(0);
@@ -91,6 +95,7 @@ export class Exercise extends Workspace {
     this.editor.mark(0);
     Object.values(this.rows).forEach(({ fill }) => fill(null));
     this.score.replaceChildren();
+    [this.judged, this.stale.hidden] = [undefined, true];
     return this.work(async () => {
       const text = this.editor.text;
       await this.driveAll();
@@ -99,6 +104,7 @@ export class Exercise extends Workspace {
       this.fill(grading, this.plan.checks.map(({ id }) => id));
       this.shelf.add(text, `${grading.score} of ${grading.max_score}`, grading.checks.every(({ outcome }) => outcome === 'pass'));
       this.listVersions();
+      this.speakOf(text);
       await this.tell(grading);
       return `${grading.score} of ${grading.max_score} points.`;
     });
@@ -148,8 +154,9 @@ export class Exercise extends Workspace {
     const first = grading.checks.find((check) => check.outcome === 'fail');
     if (!first) await this.playChecked(this.driven, grading.checks);
     else if (first.scenario) await this.playChecked([first.scenario], [first]);
-    if (first) this.mark(first);
+    if (first) this.mark(cause && /line \d/.test(cause.where) ? { where: cause.where, message: cause.text } : first);
     this.show('result');
+    this.score.parentElement.scrollTop = 0;
   }
 
   playChecked(scenarios, checks) { return this.play(scenarios, checks, this.recordings, this.plan.title); }
@@ -159,11 +166,13 @@ export class Exercise extends Workspace {
   row(check) {
     const state = el('span', { class: 'ws-state' });
     const detail = el('div', { class: 'ws-detail' });
+    const title = el('span', { class: 'ws-title' });
     const row = el('li', { 'data-check': check.id },
-      el('div', { class: 'ws-row' }, state, el('span', { class: 'ws-title' }, check.title),
+      el('div', { class: 'ws-row' }, state, title,
         el('span', { class: 'ws-points' }, `${check.points}`)), detail);
     const fill = (result) => {
       row.dataset.outcome = result ? result.outcome : '';
+      title.textContent = (result || check).title; // one that failed at its door is called by that
       state.textContent = result ? OUTCOMES[result.outcome] : '○ open';
       detail.replaceChildren(...(result && result.outcome !== 'pass' ? this.details(result) : []));
     };
@@ -220,6 +229,16 @@ export class Exercise extends Workspace {
     }
     more.textContent = all[told.shown] ? 'One hint more' : 'No more hints';
     more.disabled = !all[told.shown];
+  }
+
+  /** Show the page's own text where the replay stands. */
+  showTask() {
+    const text = document.querySelector('article').cloneNode(true);
+    text.querySelectorAll('.workspace-block, .headerlink').forEach((part) => part.remove());
+    text.querySelectorAll('[id]').forEach((part) => part.removeAttribute('id'));
+    text.querySelectorAll('a').forEach((link) => { link.target = '_blank'; });
+    this.replay.replaceChildren(el('div', { class: 'ws-task', tabindex: 0, 'aria-label': 'The task' }, text));
+    this.show('replay');
   }
 
   listVersions() {

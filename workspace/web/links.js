@@ -5,7 +5,7 @@ const through = async (bytes, stream) => new Uint8Array(await new Response(new B
 /** Return a text as it stands in a link. */
 export async function packed(text) {
   const bytes = await through(new TextEncoder().encode(text), new CompressionStream('deflate'));
-  return btoa(String.fromCharCode(...bytes)).replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '');
+  return btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join('')).replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '');
 }
 
 /** Return the text of a link; it throws if anything is amiss. */

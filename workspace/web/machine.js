@@ -111,14 +111,21 @@ export class Machine {
   /** Let every warm hand, and each that gets warm meanwhile, do something again and again while it returns true. */
   async together(act) {
     await this.ready();
-    let finish;
-    const over = new Promise((resolve) => { finish = resolve; });
-    await Promise.all(this.hands.map(async (hand) => {
-      await Promise.race([hand.warm.catch(() => over), over]);
-      while (hand.isWarm && await act(hand)); // eslint-disable-line no-await-in-loop
-      finish();
-    }));
+    let [finish, isOver] = [null, false];
+    const over = new Promise((resolve) => { finish = () => { isOver = true; resolve(); }; });
+    try {
+      await Promise.all(this.hands.map(async (hand) => {
+        await Promise.race([hand.warm.catch(() => over), over]);
+        while (!isOver && hand.isWarm && await act(hand)); // eslint-disable-line no-await-in-loop
+        finish();
+      }));
+    } finally {
+      finish(); // a hand that gets warm after another's error has nothing to do any more
+    }
   }
+
+  /** Let every Python start anew: one of them has broken. */
+  renew() { this.hands.forEach((hand) => hand.end(new Stopped())); }
 
   /** Stop whatever runs; a spare stays. */
   stop() {

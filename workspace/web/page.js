@@ -26,9 +26,17 @@ function follow(open) {
 // --- an exercise ------------------------------------------------------------------------------------
 
 async function beExercise(block) {
-  const [{ plan, machine }, { Exercise }] = await Promise.all([load(), import(new URL('exercise.js', HERE))]);
+  const words = block.querySelector('.workspace-words');
+  let all;
+  try {
+    all = await Promise.all([load(), import(new URL('exercise.js', HERE))]);
+  } catch {
+    words.textContent = 'The workspace is not running: the server did not send all of it. Reload the page.';
+    return;
+  }
+  const [{ plan, machine }, { Exercise }] = all;
   const workspace = new Exercise(plan.exercises[block.dataset.exercise], plan.demos, machine);
-  block.querySelector('.workspace-words').textContent = 'Write the node here, drive it and have it checked, in this '
+  words.textContent = 'Write the node here, drive it and have it checked, in this '
     + 'browser: nothing is installed, and nothing leaves this machine. The first visit fetches 12 MB.';
   block.querySelector('.workspace-open').replaceChildren(
     el('button', { type: 'button', class: 'ws-main', onclick: () => workspace.open() }, 'Open the workspace'));

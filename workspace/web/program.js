@@ -74,6 +74,7 @@ export class Program extends Workspace {
 
   /** Show what the command prints; mark what is different from the drive before. */
   tell(printed, changed) {
+    this.speakOf(this.editor.text);
     const lines = printed.trimEnd().split('\n').map((line) => line.trimEnd());
     const isNew = (line) => this.before && line && !MEASURED.test(line) && !this.before.includes(line);
     this.note.replaceChildren(changed ? 'With your changes; ' : 'As the page has it; ',

@@ -11,7 +11,10 @@ const HERE = new URL('.', import.meta.url);
 const FOLDER = '/home/reader'; // where the worker puts the node
 const LONGEST = 8000; // [characters] of a link: longer ones are cut where they are passed on
 const NOTHING_KEPT = 'This browser keeps nothing for this site: download your file before you leave the page.';
-const NO_MEMORY = 'The browser had no memory left. Close other tabs, then try again; what you typed is not lost.';
+const NO_MEMORY = 'The browser had no memory left: your node may keep or print too much. What you typed is not lost.';
+const BROKEN_PYTHON = 'Your node broke Python itself, with os.abort() or something that is nested too deeply. It starts anew.';
+const ELSEWHERE = 'This is open in another tab, too. What you type here is not kept: close one of them, and reload the other.';
+const KEYS = 'Enter keeps the indent, Ctrl-] and Ctrl-[ change it, Tab leaves the editor.';
 const BROKEN = 'The link to this page holds no code that can be read: it was cut on its way. Ask for the file instead.';
 
 /** Return a button. */
@@ -53,12 +56,17 @@ export class Workspace {
     this.question = el('div', { class: 'ws-question', hidden: true, role: 'alert' });
     this.stopButton = button('Stop', () => this.machine.stop(), { hidden: true });
     this.versions = el('select', { 'aria-label': 'Earlier versions', onchange: () => this.restore() });
-    this.code = el('div', { class: 'ws-code', 'data-pane': 'code', onkeydown: (event) => this.leave(event) });
+    this.code = el('div', { class: 'ws-code', 'data-pane': 'code', onkeydown: (event) => this.leave(event) },
+      el('p', { class: 'ws-keys' }, KEYS));
     this.replay = el('div', { class: 'ws-replay', 'data-pane': 'replay' }, el('p', { class: 'ws-empty' }, empty));
     this.log = el('pre', { class: 'ws-log', hidden: true, tabindex: 0, 'aria-label': 'What Python said' });
+    this.stale = el('p', { class: 'ws-stale', hidden: true }, 'Said before your last change:');
     this.tabs = ['code', 'replay', 'result'].map((name, i) => button(names[i],
-      () => this.show(name), { 'aria-pressed': name === 'code', 'data-name': name }));
-    this.dialog = el('dialog', { class: 'workspace', 'aria-label': label, onclose: () => stand(''), 'data-show': 'code' },
+      () => this.show(name), { 'aria-pressed': String(name === 'code'), 'data-name': name }));
+    this.dialog = el('dialog', {
+      class: 'workspace', 'aria-label': label, 'data-show': 'code', onclose: () => stand(''),
+      onkeydown: (event) => event.stopPropagation(), // the site's own shortcuts: "/" goes to its search
+    },
       el('div', { class: 'ws-bar' },
         el('h2', {}, title),
         el('div', { class: 'ws-tools' }, tools),
@@ -71,7 +79,7 @@ export class Workspace {
       el('div', { class: 'ws-news' }, this.status, this.stopButton, this.question),
       el('nav', { class: 'ws-tabs', 'aria-label': 'Show' }, this.tabs),
       el('div', { class: 'ws-panes' }, this.code, this.replay,
-        el('div', { class: 'ws-result', 'data-pane': 'result' }, result, this.log)));
+        el('div', { class: 'ws-result', 'data-pane': 'result' }, this.stale, result, this.log)));
     document.body.append(this.dialog);
     this.mains = [...this.dialog.querySelectorAll('.ws-main')];
     this.listVersions();
@@ -86,9 +94,14 @@ export class Workspace {
     if (!this.dialog.open) this.dialog.showModal();
     stand(this.hash); // a reload comes back here, and does not bring the link's code again
     this.machine.serve(this);
-    if (!this.editor) await this.makeEditor();
+    if (!this.editor) {
+      if (!await this.shelf.isAlone()) this.shelf.works = false;
+      await this.makeEditor();
+    }
+    if (matchMedia('(pointer: fine)').matches) this.editor.focus();
     const said = code === null ? [] : [await this.take(code)];
-    if (!this.shelf.works) said.push(NOTHING_KEPT);
+    if (!this.shelf.works) said.push(this.shelf.isElsewhere ? ELSEWHERE : NOTHING_KEPT);
+    this.say(said.join(' '));
     if (this.whyNot) this.say([this.whyNot, ...said].join(' '));
     else {
       const ready = this.work(() => this.machine.ready(), ['Ready.', ...said].join(' '));
@@ -112,6 +125,7 @@ export class Workspace {
     const label = `Your node, ${this.file}. Tab leaves the editor.`;
     const onChange = () => {
       this.changed = true;
+      this.stale.hidden = this.judged === undefined || this.judged === this.editor.text;
       this.shelf.text = this.isChanged ? this.editor.text : null;
     };
     try {
@@ -131,6 +145,12 @@ export class Workspace {
   // --- what is shown
 
   say(text) { this.status.textContent = text; }
+
+  /** Note of which text the third pane speaks. */
+  speakOf(text) {
+    this.judged = text;
+    this.stale.hidden = text === this.editor.text;
+  }
 
   show(name) {
     this.dialog.dataset.show = name;
@@ -174,11 +194,15 @@ export class Workspace {
       const said = await task();
       this.say(done || said);
     } catch (error) {
-      if (this.machine.user === this) this.machine.stop(); // what others are at is of no use any more
+      if (this.machine.user === this) { // what others are at is of no use any more
+        if (error instanceof Stopped) this.machine.stop();
+        else this.machine.renew();
+      }
       const text = String(error.message || error);
       if (error instanceof Stopped) this.say('Stopped.');
       else if (/out of memory|allocat|MemoryError/i.test(text)) this.say(NO_MEMORY);
-      else this.say(`This went wrong in the page, not in your node: ${text.trim().split('\n').at(-1)}`);
+      else if (/call stack|out of bounds|unreachable|Aborted|fatal/i.test(text)) this.say(BROKEN_PYTHON);
+      else this.say(`This went wrong in the page, not in your node; try again, or reload it. ${text.trim().split('\n').at(-1)}`);
       if (!(error instanceof Stopped)) this.hear(null, { kind: 'out', text });
     }
     this.busy = false;
@@ -237,9 +261,11 @@ export class Workspace {
   /** Put another text into the editor; what was there stays among the versions. */
   replace(text) {
     const before = this.editor.text;
-    if (before !== this.skeleton && before !== text) this.shelf.add(before, 'put aside');
+    const isKept = before === this.skeleton || this.shelf.versions.some((version) => version.text === before);
+    if (!isKept) this.shelf.add(before, 'put aside');
     this.editor.text = text;
     this.listVersions();
+    if (before !== this.skeleton && before !== text) this.say('What was here before is among the versions.');
   }
 
   /** Copy a link that carries the code. */
