@@ -43,7 +43,7 @@ def add_block(app: Sphinx, name: str, _template: str, page: dict[str, Any], _tre
     made = app.config.course_workspace_made
     words = OFF if made else LEFT_OUT
     block = (
-        f'<div class="workspace-block" data-exercise="{html.escape(parts[1])}">'
+        f'<div class="workspace-block" id="workspace" data-exercise="{html.escape(parts[1])}">'
         f'<p class="workspace-words">{words}</p><p class="workspace-open"></p></div>'
     )
     page["body"] = page["body"].replace("</h1>", f"</h1>{block}", 1)

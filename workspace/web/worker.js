@@ -47,7 +47,7 @@ const fail = (error) => postMessage({ kind: 'error', text: String(error && error
 const say = (text) => postMessage({ kind: 'progress', text });
 
 async function load(manifest) {
-  say('Fetching Python, 12 MB the first time …');
+  say('Fetching Python, 13 MB the first time …');
   const names = Object.keys(manifest).filter((name) => /\.pack$|^pyodide\//.test(name));
   const files = Object.fromEntries(names.map((name) => [name, stored(name, manifest)]));
   importScripts(await script(await files['pyodide/pyodide.js']), await script(inflated(await files['pyodide/pyodide.asm.js.pack'])));
