@@ -14,8 +14,9 @@ from grader.course.exercises import ROOT
 from workspace.runtime import REFUSED
 
 MADE = ROOT / "build" / "workspace" / "manifest.json"
+PRINTED = "[aria-label='What course drive prints']"
 FOR_EVER = "while True:\n    pass\n"
-BEAT = "beat.py --scenario demo_wall --duration 6 --param threads:=2"
+BEAT = "beat.py --scenario demo_wall --duration 6 --param threads:=2 --param separate:=true"
 
 pytestmark = pytest.mark.skipif(
     not MADE.is_file(), reason="the site has no workspace here: run `make workspace`"
@@ -32,10 +33,9 @@ def press(page: Any, name: str, exact: bool = True) -> None:
 def driven(page: Any) -> str:
     """Wait for the end of a drive; return what the page prints."""
     page.locator("dialog[open] .cm-content").wait_for()
-    page.locator("dialog[open][aria-busy=false] .ws-printed:not([hidden])").first.wait_for(
-        timeout=SLOW
-    )
-    return str(page.locator("dialog[open] .ws-printed").first.inner_text())
+    printed = page.locator(f"dialog[open][aria-busy=false] {PRINTED}:not([hidden])")
+    printed.wait_for(timeout=SLOW, state="attached")
+    return str(printed.text_content())
 
 
 def test_the_front_page_lets_a_robot_drive_and_leads_to_the_first_exercise(
@@ -93,7 +93,7 @@ def test_arguments_are_typed_and_those_without_sense_are_refused(open_served: An
     ):
         line.fill(words)
         line.press("Enter")
-        page.locator(".ws-printed", has_text=said).wait_for(timeout=SLOW)
+        page.locator(PRINTED, has_text=said).wait_for(timeout=SLOW)
         settle(page)
     page.reload()  # the address has the arguments of the last drive
     page.locator("dialog[open] .cm-content").wait_for()

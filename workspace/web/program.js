@@ -5,7 +5,7 @@ import { el } from './element.js';
 import { stand } from './links.js';
 import { Workspace, button } from './workspace.js';
 
-const MEASURED = /^ {2}Compute: /; // differs each time
+const MEASURED = /^ {2}Compute: .*(\n\S.*)*/m; // differs each time, and where its lines break
 
 export class Program extends Workspace {
   constructor({ page, file, code, threads }, words, machine) {
@@ -27,7 +27,7 @@ export class Program extends Workspace {
       title: file,
       tools: [
         button('Drive', () => this.drive(), { title: 'Ctrl-Enter', class: 'ws-main' }),
-        el('label', { class: 'ws-arguments' }, el('code', {}, `course drive ${file}`), this.line),
+        el('label', { class: 'ws-arguments' }, 'with', this.line),
       ],
       result: [this.note, this.printed, this.expected],
       names: ['Code', 'Replay', 'Output'],
@@ -76,7 +76,8 @@ export class Program extends Workspace {
   tell(printed, changed) {
     this.speakOf(this.editor.text);
     const lines = printed.trimEnd().split('\n').map((line) => line.trimEnd());
-    const isNew = (line) => this.before && line && !MEASURED.test(line) && !this.before.includes(line);
+    const measured = (MEASURED.exec(lines.join('\n')) || [''])[0].split('\n');
+    const isNew = (line) => this.before && line && !measured.includes(line) && !this.before.includes(line);
     this.note.replaceChildren(changed ? 'With your changes; ' : 'As the page has it; ',
       el('span', {}, changed ? 'Reset brings the listing back.' : 'change it, and drive again.'),
       lines.some(isNew) ? ' Marked: what is different from the drive before.' : '');
