@@ -103,6 +103,23 @@ def test_arguments_are_typed_and_those_without_sense_are_refused(open_served: An
     assert page.evaluate("document.activeElement.matches('.ws-arguments input')")
 
 
+def test_a_link_carries_code_and_arguments_and_drives_nothing(open_served: Any) -> None:
+    page = open_served("plans.html", permissions=["clipboard-read", "clipboard-write"])
+    press(page, "Drive it here: errand.py --scenario demo_open --duration 25")
+    driven(page)
+    type_in(page, "# mine")
+    page.get_by_label("Arguments of course drive").fill("--scenario demo_wall")
+    page.get_by_role("button", name="Link").click()
+    page.locator(".ws-status", has_text="Copied").wait_for()
+    link = page.evaluate("navigator.clipboard.readText()")
+    page.goto("about:blank")
+    page.goto(link)
+    page.locator("dialog[open] .cm-line", has_text="# mine").wait_for()
+    assert page.get_by_label("Arguments of course drive").input_value() == "--scenario demo_wall"
+    assert "Ready." in settle(page)
+    assert page.locator(PRINTED).is_hidden()
+
+
 def test_another_program_stops_the_one_that_never_ends(open_served: Any) -> None:
     page = open_served("real_time.html")
     press(page, "Drive it here: stale.py --scenario demo_wall --duration 10")

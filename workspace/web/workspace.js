@@ -183,9 +183,14 @@ export class Workspace {
 
   // --- what is done
 
-  /** Do what takes the worker's time, once at a time; say how it ended. */
-  async work(task, done) {
-    if (this.busy) return;
+  /** Do what takes the worker's time, unless something is under way; return when that has ended. */
+  work(task, done) {
+    if (!this.busy) this.current = this.begin(task, done);
+    return this.current;
+  }
+
+  /** Do it; say how it ended. */
+  async begin(task, done) {
     this.busy = true;
     this.dialog.setAttribute('aria-busy', 'true');
     this.enable();
