@@ -21,6 +21,7 @@ extensions = [
     "accessible",
     "acts",
     "workspace_block",
+    "drive_here",
 ]
 myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3

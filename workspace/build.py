@@ -33,6 +33,7 @@ from grader.errors import GraderError, InputError
 from rclpy_portable import unpacking
 from sim.scenario_files import load_scenario, scenario_names
 from workspace.plan import plan, words
+from workspace.runtime import REFUSED
 
 HERE = Path(__file__).resolve().parent
 PINS = tomllib.loads((HERE / "packages.toml").read_text("utf-8"))
@@ -42,27 +43,37 @@ MADE_IN = "/course"  # where the worker unpacks (web/worker.js)
 INFLATED = ("pyodide.asm.js", "pyodide.asm.wasm")  # by the worker: plain servers compress nothing
 LIBRARY = "python_stdlib.zip"  # as well: its files are small, and make a smaller archive together
 WEB = (
-    "element.js", "machine.js", "offline.js", "shelf.js", "start.js", "worker.js", "workspace.js",
-    "workspace.css",
+    "element.js", "exercise.js", "keep.js", "links.js", "machine.js", "offline.js", "page.js",
+    "program.js", "shelf.js", "start.js", "worker.js", "workspace.js", "workspace.css",
 )  # fmt: skip
 # The rooms of the course that a page needs
 COURSE = re.compile(
     rf"sim/(?!live/)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
     rf"|workspace/(runtime|stacks|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
-    r"|grader/(?!exercises|authoring|classroom|cli|drive|lms|nbgrader|notebook|testing"
-    r"|models/expert|report/terminal|trial/real_time"
+    r"|grader/(?!exercises|authoring|classroom|drive/(search/|delay|mishaps)|lms"
+    r"|nbgrader|notebook|testing|models/expert|trial/real_time"
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
 FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")
 # What is run from its source, or quoted in a node's traceback
 SOURCES = r"^rclpy_portable/_ros/rclpy/|^grader/exercises/|^grader/host/supplied/"
+# What a node may import: numpy, PyYAML, ROS, and what stands in for more of ROS ...
+OF_NODES = re.compile(
+    r"(rclpy_portable/_ros/|grader/host/stand_ins/|(?=numpy/|yaml/))(?P<module>\w+)/"
+)
+# ... but nothing that reads a file of another program, or starts one
+NOT_OF_NODES = {"pickle", "socket", "subprocess", "multiprocessing"}
 PACKAGES = (  # of .venv; without compiled parts
-    "_pytest", "iniconfig", "pluggy", "py.py", "pygments", "pytest", "rosbags", "yaml",
+    "_pytest", "click", "iniconfig", "pluggy", "py.py", "pygments", "pytest", "rich", "rosbags",
+    "yaml",
 )  # fmt: skip
 NOT_OF_PACKAGES = re.compile(
     r"pygments/(lexers/(?!__init__|_mapping|python|diff)|styles/(?!__init__|_mapping|default)"
     r"|formatters/(?!__init__|_mapping|terminal\.))|rosbags/(convert|rosbag1|rosbag2)/"
-    r"|rosbags/typesys/stores/(latest|ros1|ros2_(kilted|lyrical))"
+    r"|rosbags/typesys/stores/(latest|ros1|ros2_(kilted|lyrical))|click/(testing|_winconsole)"
+    r"|rich/(__main__|_inspect|_spinners|_stack|_timer|_win|_unicode_data/unicode(?!17)|bar|columns"
+    r"|diagnose|file_proxy|filesize|json|layout|live|logging|markdown|panel|progress|prompt|rule"
+    r"|scope|spinner|status|syntax|traceback|tree)"
 )
 NOT_OF_NUMPY = re.compile(
     r"/tests/|\.pyi$|\.pxd$|timer_comparison|/include/|/f2py/|/_pyinstaller/|/testing/|/distutils/"
@@ -146,19 +157,21 @@ def build(out: Path, modules: Path, wheel: Path, compiler: Sequence[str]) -> Non
     lock = json.loads((modules / "pyodide" / "pyodide-lock.json").read_text("utf-8"))
     (pyodide / "pyodide-lock.json").write_text(json.dumps({"info": lock["info"], "packages": {}}))
     library = _zipped(modules / "pyodide" / LIBRARY, NOT_OF_PYTHON)
+    packages, course = {**_zipped(wheel, NOT_OF_NUMPY), **_packages()}, _course()
     with compiled(library, "/lib/python312.zip", "2") as folder:
         content = _stored(folder)
     (pyodide / f"{LIBRARY}.pack").write_bytes(gzip.compress(content, mtime=0))
-    with compiled({**_zipped(wheel, NOT_OF_NUMPY), **_packages()}, MADE_IN, "2") as folder:
+    with compiled(packages, MADE_IN, "2") as folder:
         _pack(out / "packages.pack", folder)
-    with compiled(_course(), MADE_IN, "0") as folder:
+    with compiled(course, MADE_IN, "0") as folder:
         _pack(out / "course.pack", folder)
     _run([str(modules / ".bin" / "esbuild"), "--bundle", "--minify", "--format=esm",
           "--log-level=warning", f"--outfile={out / 'editor.js'}", str(HERE / "web" / "editor.js")],
          HERE, NODE_PATH=str(modules))  # fmt: skip
     for name in WEB:
         shutil.copyfile(HERE / "web" / name, out / name)
-    (out / "plan.json").write_text(json.dumps(_plans()), "utf-8")
+    plans = {**_plans(), "drives": _drives([*packages, *course])}
+    (out / "plan.json").write_text(json.dumps(plans), "utf-8")
     (out / "manifest.json").write_text(json.dumps(_manifest(out), indent=1), "utf-8")
 
 
@@ -182,6 +195,18 @@ def _plans() -> dict[str, Any]:
         for each in exercises
     }
     return {"exercises": plans, "demos": demos}
+
+
+def _drives(files: Sequence[str]) -> dict[str, Any]:
+    """Return what a program can import in the page, in which scenarios, and with which options."""
+    library = {name for name in sys.stdlib_module_names if not NOT_OF_PYTHON.match(f"{name}.py")}
+    packed = {found["module"] for name in files if (found := OF_NODES.match(name))}
+    places = {name: path.relative_to(ROOT).as_posix() for name, path in scenario_names().items()}
+    return {
+        "modules": sorted((library | packed) - NOT_OF_NODES),
+        "scenarios": sorted(name for name, path in places.items() if path in files),
+        "refused": sorted(REFUSED),
+    }
 
 
 def _course() -> dict[str, bytes]:

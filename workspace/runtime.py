@@ -8,15 +8,20 @@ copy. The recordings are pickled: they are the reader's own, in the reader's own
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
+import math
+import os
 import pickle
+import shlex
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 from workspace.stacks import Browser, Gate, Stacks
 
@@ -28,6 +33,17 @@ if TYPE_CHECKING:
 MOMENT = 1e-6  # [s]
 WAY = 4  # frames from there to a node: rclpy_portable, rclpy, and how discovery looks in
 PATIENCE = 3600.0  # [s] of a trial: whether to wait is the reader's choice
+BESIDE = "the replay stands beside this text; the installed course writes files"
+NO_FILES = "there are no files here but the node; take the installed course"
+REFUSED = {  # options of `course drive`, and what a page says of them
+    "--report": BESIDE,
+    "--bag": BESIDE,
+    "--params-file": f"{NO_FILES}, or --param",
+    "--stdin": NO_FILES,
+    "--keys": "there is no terminal here; take the installed course",
+    "--portable": "here it is the portable runtime already",
+    "--charge-compute": "no CPU time can be measured here; take the installed course",
+}
 MESSAGES = ("numpy.random", "numpy.linalg", "numpy.fft")  # a node's first use would load them
 
 
@@ -70,13 +86,17 @@ class Runtime:
             time.thread_time, time.thread_time_ns = time.process_time, time.process_time_ns
         import pytest  # noqa: F401
 
+        import grader.cli
+        import grader.drive
         import grader.grading.causes
         import grader.grading.grading
         import grader.report.page
         import grader.trial.virtual_time  # noqa: F401
         from grader.link.in_process import InProcess
+        from grader.report.terminal import Console
         from sim.messages import EPOCH_NS, typestore
 
+        Console(file=io.StringIO()).print("[bold]…[/]")  # what it imports at the first line
         for name in MESSAGES:
             __import__(name)
         typestore()
@@ -108,10 +128,8 @@ class Runtime:
         perhaps a `seed` and a `lead` [ns], and whether to `interrupt`. `{"lead": …}` in the answer:
         the same again in a fresh copy, with this lead.
         """
-        from grader.checks.wiring import lines_of
         from grader.course.submission import find_submission
         from grader.link.in_process import StartEarlier
-        from grader.recording.deaths import death_of
         from grader.trial.seeds import mixed_seed
         from grader.trial.virtual_time import Limits, run_trial
         from sim.scenario_files import load_scenario
@@ -131,10 +149,40 @@ class Runtime:
             )
         except StartEarlier as early:
             return json.dumps({"lead": early.lead})
-        self._place(scenario.name).write_bytes(pickle.dumps((recording, self._lines)))
-        outcome = recording.outcome
-        where = lines_of(death_of(outcome.detail))
-        return json.dumps({"kind": outcome.kind, "text": outcome.text, "where": where})
+        return json.dumps(self._kept(recording))
+
+    def drive(self, order: str) -> str:
+        """Do what `course drive FILE ARGUMENTS` does; say what it prints, and how the run ended.
+
+        The order names the `file` and the `arguments`, and perhaps a `lead` [ns], as in `trial`.
+        """
+        from grader import cli, drive
+        from grader.cli.drive import Elsewhere
+        from grader.link.in_process import StartEarlier
+        from grader.trial.virtual_time import Limits
+
+        wanted, made, printed = json.loads(order), [], io.StringIO()
+        file = Path(wanted["file"])
+        self._file = file.name
+        os.chdir(file.parent)
+
+        def drive_node(*what: Any, **how: Any) -> Recording:
+            how |= {"limits": Limits(total=PATIENCE), "lead": wanted.get("lead", 0)}
+            with _to(sys.__stdout__, sys.__stderr__):  # for what the node prints
+                made.append(drive.drive_node(*what, **how))
+            made[0].compute.cpu[:] = math.nan  # nobody tells it here: what it costs is wall time
+            return made[0]
+
+        with _to(printed, printed):
+            try:
+                words = _words(wanted["arguments"])
+                cli.run(["drive", file.name, *words], Elsewhere(self._launcher, drive_node))
+            except StartEarlier as early:
+                return json.dumps({"lead": early.lead})
+            except ValueError as error:
+                print(f"course: {error}")
+        told = {"printed": printed.getvalue()}
+        return json.dumps({**told, **self._kept(made[0])} if made else told)
 
     def judge(self, order: str) -> str:
         """Judge the recordings of `scenarios`: return the JSON object of the grading.
@@ -176,6 +224,17 @@ class Runtime:
             practice=self._launcher.practice,
         )
 
+    def _kept(self, recording: Recording) -> dict[str, str]:
+        """Keep a recording; return its scenario, and how it ended."""
+        from grader.checks.wiring import lines_of
+        from grader.recording.deaths import death_of
+
+        self._place(recording.name).write_bytes(pickle.dumps((recording, self._lines)))
+        outcome = recording.outcome
+        where = lines_of(death_of(outcome.detail))
+        return {"scenario": recording.name, "kind": outcome.kind, "text": outcome.text,
+                "where": where}  # fmt: skip
+
     def _load(self, scenario: str) -> tuple[Recording, list[tuple[float, int]]]:
         kept: tuple[Recording, list[tuple[float, int]]]
         kept = pickle.loads(self._place(scenario).read_bytes())
@@ -191,6 +250,29 @@ def _callback_line(frame: FrameType | None, file: str) -> int:
     while frame is not None and frame.f_code.co_filename.endswith(f"/{file}"):
         line, frame = frame.f_lineno, frame.f_back
     return line
+
+
+def _words(arguments: str) -> list[str]:
+    """Return the words of a command line.
+
+    Raises
+    ------
+    ValueError
+        A quotation does not end, or an option has no sense in a page.
+    """
+    words = shlex.split(arguments)
+    for word in words:
+        option = word.partition("=")[0]
+        if option in REFUSED:
+            raise ValueError(f"{option}: {REFUSED[option]}")
+    return words
+
+
+@contextlib.contextmanager
+def _to(out: TextIO, err: TextIO) -> Iterator[None]:
+    """Let Python print somewhere."""
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        yield
 
 
 def warm(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -66,9 +67,17 @@ for _command, _room in (
 
 
 def main() -> None:
-    """Run the command; errors take one line."""
+    """Run the command with the arguments of this process."""
+    sys.exit(run())
+
+
+def run(arguments: Sequence[str] | None = None, elsewhere: drive.Elsewhere | None = None) -> int:
+    """Run the command and return its exit code; errors take one line.
+
+    A page drives `elsewhere`.
+    """
     try:
-        code = cli.main(standalone_mode=False)
+        code = cli.main(arguments, "course", standalone_mode=False, obj=elsewhere)
         sys.stdout.flush()
     except BrokenPipeError:  # `course … | head`; links to hosts never raise it
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -90,7 +99,7 @@ def main() -> None:
         code = _complain("interrupted")
     except OSError as error:
         code = _complain(f"{error.filename or 'file'}: {error.strerror}")
-    sys.exit(code if isinstance(code, int) else 0)
+    return code if isinstance(code, int) else 0
 
 
 def _complain(message: str, *choices: str) -> int:

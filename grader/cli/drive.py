@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,6 +16,10 @@ from grader.cli.start import portable_option, start_forkserver
 from grader.errors import InputError
 from grader.report.foreign import echo
 
+if TYPE_CHECKING:
+    from grader.link.launcher import Launcher
+    from grader.recording import Recording
+
 EXAMPLES = """\b
 Examples:
   course drive my_agent.py --scenario demo_wall
@@ -19,6 +27,14 @@ Examples:
   course drive seeker.py --scenario demo_open --goal 5 3 --goal 0 0 --param gain:=0.5
   course drive slow_agent.py --scenario demo_wall --charge-compute
 """
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """How a lesson's page drives: in its own process, without a word about practice."""
+
+    launcher: Launcher
+    drive_node: Callable[..., Recording]  # as grader.drive's
 
 
 @click.command(epilog=EXAMPLES)
@@ -82,6 +98,8 @@ def drive(
     from grader import drive as driving  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
 
+    context = click.get_current_context()
+    elsewhere: Elsewhere | None = context.obj
     if scenario is None:
         raise InputError(
             "--scenario NAME: expected one, such as --scenario demo_wall; "
@@ -91,7 +109,7 @@ def drive(
     chosen = driving.scenario_for(scenario, lidar=lidar, duration=duration, goals=goals)
     own = [program.file for program in chosen.program if not program.supplied]
     names = wanted_in(chosen.name)
-    given = click.get_current_context().with_resource(as_files(file, names))
+    given = file if elsewhere else context.with_resource(as_files(file, names))
     submission = find_submission(given, others=[name for name in own if name])
     taken = [path.name for path in (submission.path, *submission.others)]
     files = driving.read_params_files(params_files, taken)
@@ -102,11 +120,16 @@ def drive(
     if log != "all" and not log.isdecimal():
         raise InputError(f"--log {log!r}: expected a number of lines, or all")
     check_writable(report)
-    with start_forkserver(portable=portable) as forkserver:
+    drive_node = elsewhere.drive_node if elsewhere else driving.drive_node
+    with (
+        contextlib.nullcontext(elsewhere.launcher)
+        if elsewhere
+        else start_forkserver(portable=portable)
+    ) as forkserver:
         submission = driving.unpacked(submission, forkserver)
         if submission.problem:
             raise InputError(f"{file}: {submission.problem}")
-        recording = driving.drive_node(
+        recording = drive_node(
             submission,
             chosen,
             forkserver,
@@ -122,7 +145,8 @@ def drive(
         from grader.recording.bag import save  # noqa: PLC0415
 
         save(recording, bag)
-    driving.print_summary(recording, file=str(file), practice=forkserver.practice,
+    practice = "" if elsewhere else forkserver.practice
+    driving.print_summary(recording, file=str(file), practice=practice,
                           most=None if log == "all" else int(log))  # fmt: skip
     for said in submission.account():
         echo(f"  {said}")

@@ -196,6 +196,7 @@ def drive_node(
     stamped: bool = True,
     limits: Limits | None = None,
     interrupt: bool = True,
+    lead: int = 0,
 ) -> Recording:
     """Run the node once; `stamped`: the robot also understands TwistStamped.
 
@@ -220,6 +221,7 @@ def drive_node(
         charge_compute=charge_compute,
         limits=limits,
         interrupt=interrupt,
+        lead=lead,
     )
 
 

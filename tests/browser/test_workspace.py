@@ -6,16 +6,12 @@ those of `course grade`. Without `make workspace` these tests are skipped.
 
 from __future__ import annotations
 
-import contextlib
-import functools
-import http.server
-import shutil
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from served_site import SLOW, served, settle, type_in, typed
 
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import ROOT, find_exercise
@@ -24,8 +20,6 @@ from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
 
 MADE = ROOT / "build" / "workspace" / "manifest.json"
-ARGUMENTS = ["--no-sandbox", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"]
-SLOW = 1_200_000  # [ms] for all of a busy machine's trials
 TYPED = {  # in each exercise, after the reference
     "obstacle_avoidance": ("narrow_cone", "one_close_beam_is_noise", "reliable_only"),
     "goal_seeking": ("yaw_in_degrees", "ignores_without_a_word", "no_wrap"),
@@ -53,75 +47,16 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-class Quiet(http.server.SimpleHTTPRequestHandler):
-    def log_message(self, format: str, *args: object) -> None:
-        pass
-
-
-@contextlib.contextmanager
-def served(site: Path, root: Path) -> Iterator[str]:
-    """Have the site on a plain server, below a sub-path."""
-    (root / "below" / "it").mkdir(parents=True)
-    (root / "below" / "it" / "course").symlink_to(site)
-    handler = functools.partial(Quiet, directory=str(root))
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield f"http://127.0.0.1:{server.server_port}/below/it/course"
-        server.shutdown()
-
-
-@pytest.fixture(scope="module")
-def address(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    with served(site, tmp_path_factory.mktemp("served")) as address:
-        yield address
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Any]:
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    path = shutil.which("chromium")
-    if path is None:
-        pytest.skip("no browser: chromium is not on the PATH")
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=ARGUMENTS)
-        yield browser
-        browser.close()
-
-
 @pytest.fixture
-def open_workspace(chromium: Any, address: str) -> Iterator[Any]:
-    """Open an exercise's workspace; at the end no other host was asked for anything."""
-    asked: list[str] = []
-    contexts = []
+def open_workspace(open_served: Any) -> Any:
+    """Open an exercise's workspace."""
 
     def open_(hash_: str = "#workspace", slug: str = SLUG, script: str = "", **options: Any) -> Any:
-        settings = {"viewport": {"width": 1280, "height": 800}, "reduced_motion": "reduce"}
-        context = chromium.new_context(**settings | options)
-        contexts.append(context)
-        context.add_init_script(script)
-        page = context.new_page()
-        page.on("request", lambda request: asked.append(request.url))
-        page.goto(f"{address}/exercises/{slug}/README.html{hash_}")
+        page = open_served(f"exercises/{slug}/README.html{hash_}", script, **options)
         page.locator(".cm-content").wait_for()
         return page
 
-    yield open_
-    for context in contexts:
-        context.close()
-    ours = (address, "blob:", "data:", "about:")
-    assert [url for url in asked if not url.startswith(ours)] == []
-
-
-def type_in(page: Any, text: str) -> None:
-    page.locator(".cm-content").click()
-    page.keyboard.press("Control+A")
-    page.keyboard.insert_text(text)
-
-
-def settle(page: Any) -> str:
-    """Wait until nothing is under way; return what the page says of it."""
-    page.locator("dialog.workspace[aria-busy=false]").wait_for(timeout=SLOW)
-    return str(page.locator(".ws-status").inner_text())
+    return open_
 
 
 def check(page: Any, text: str) -> str:
@@ -129,10 +64,6 @@ def check(page: Any, text: str) -> str:
     type_in(page, text)
     page.keyboard.press("Control+Shift+Enter")
     return settle(page)
-
-
-def typed(page: Any) -> str:
-    return str(page.evaluate("document.querySelector('.cm-content').innerText"))
 
 
 @pytest.mark.parametrize("slug", TYPED)
@@ -300,8 +231,56 @@ def test_a_later_visit_needs_no_server(chromium: Any, site: Path, tmp_path: Path
     context.close()
 
 
-def test_the_front_page_leads_into_the_workspace(chromium: Any, address: str) -> None:
-    page = chromium.new_page()
-    page.goto(f"{address}/index.html")
-    page.locator(".start a").first.click()
-    page.locator("dialog.workspace .cm-content").wait_for()
+def test_every_key_that_is_typed_arrives_though_the_site_has_shortcuts(
+    open_workspace: Any,
+) -> None:
+    page = open_workspace()
+    type_in(page, "")
+    page.keyboard.type("topic = '/cmd_vel'  # a // b, f s ?", delay=1)
+    assert "'/cmd_vel'  # a // b, f s ?" in typed(page)
+
+
+def test_what_the_server_should_not_have_sent_is_not_kept(open_served: Any) -> None:
+    page = open_served(f"exercises/{SLUG}/README.html")
+    login = {"status": 200, "content_type": "text/html", "body": "<h1>Log in</h1>"}
+    page.context.route("**/course.pack*", lambda route: route.fulfill(**login))
+    page.get_by_role("button", name="Open the workspace").click()
+    page.locator(".cm-content").wait_for()
+    assert "course.pack: the server sends something else" in settle(page)
+    page.context.unroute("**/course.pack*")
+    page.reload()
+    assert settle(page) == "Ready."
+
+
+def test_code_of_a_link_cannot_reach_the_site(open_workspace: Any) -> None:
+    page = open_workspace()
+    settle(page)
+    names = ("caches", "indexedDB", "fetch", "XMLHttpRequest", "WebSocket", "Worker", "navigator")
+    script = " + ".join(f"typeof {name}" for name in names)
+    hidden = "typeof WorkerGlobalScope.prototype.fetch"
+    text = f"raise ValueError(run_js({script!r}) + ' ' + run_js({hidden!r}))"
+    type_in(page, f"from pyodide.code import run_js\n\n{text}\n")
+    page.keyboard.press("Control+Enter")
+    assert f"ValueError: {'undefined' * len(names)} undefined" in settle(page)
+
+
+def test_two_tabs_do_not_overwrite_each_other(open_workspace: Any) -> None:
+    page = open_workspace()
+    settle(page)
+    type_in(page, "# mine\n")
+    other = page.context.new_page()
+    other.goto(page.url)
+    other.locator(".ws-status", has_text="open in another tab").wait_for(timeout=SLOW)
+    type_in(other, "# theirs\n")
+    page.reload()
+    page.locator(".cm-line", has_text="mine").wait_for()
+
+
+def test_a_python_that_a_node_broke_starts_anew(open_workspace: Any) -> None:
+    page = open_workspace()
+    settle(page)
+    assert check(page, "import os\n\nos.abort()\n").startswith("Your node broke Python itself")
+    assert check(page, "print('still here')\n").startswith("0 of 100")
+    assert page.locator(".ws-stale").is_hidden()
+    type_in(page, "# changed\n")
+    assert page.locator(".ws-stale").is_visible()

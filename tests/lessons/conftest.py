@@ -8,7 +8,8 @@ from pitfall_runs import Runs
 from grader.course.exercises import ROOT
 from grader.link.hosts import ForkServer
 
-sys.path.append(str(ROOT / "lessons"))  # the site's module: contract
+# The site's modules: contract, and its extensions
+sys.path += [str(ROOT / "lessons"), str(ROOT / "lessons" / "_ext")]
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,8 @@
 """The page's Python in CPython: forks stand for its copies of memory, the stand-ins are the page's.
 
-`forked.py FOLDER` reads orders from stdin, a JSON object with `exercise`, `file` and `others` each,
-and prints a grading for each; the recordings stay in FOLDER.
+`forked.py FOLDER` reads orders from stdin, a JSON object each, and prints what came of it: of one
+with `exercise`, `file`, `others` and `scenarios` the grading, of one with `file` and `arguments`
+what the page says of the drive. The recordings stay in FOLDER.
 """
 
 from __future__ import annotations
@@ -51,7 +52,20 @@ def graded(page: runtime.Runtime, order: dict[str, object], scenarios: list[str]
     return forked(page.judge, exercise=order["exercise"], file=order["file"], scenarios=scenarios)
 
 
+def driven(page: runtime.Runtime, order: dict[str, object]) -> str:
+    """Drive as the page's worker does, and make the replay."""
+    said = json.loads(forked(page.drive, **order))
+    if "lead" in said:
+        said = json.loads(forked(page.drive, **order, **said))
+    if "scenario" in said:
+        replay = forked(page.replay, scenarios=[said["scenario"]], title="Drive")
+        assert "<html" in replay
+    return json.dumps(said)
+
+
 if __name__ == "__main__":
     warm = runtime.warm(sys.argv[1])
     for line in sys.stdin:
-        print(graded(warm, (each := json.loads(line)), each["scenarios"]), flush=True)
+        each = json.loads(line)
+        print(driven(warm, each) if "arguments" in each else graded(warm, each, each["scenarios"]),
+              flush=True)  # fmt: skip

@@ -26,6 +26,7 @@ export function makeEditor({ parent, text, label, onChange, keys, words }) {
       python(),
       pythonLanguage.data.of({ autocomplete: afterDots(words) }),
       lintGutter(),
+      EditorView.lineWrapping,
       indentUnit.of('    '),
       syntaxHighlighting(classHighlighter),
       EditorView.contentAttributes.of({ 'aria-label': label, tabindex: '0' }),

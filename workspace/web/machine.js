@@ -35,7 +35,7 @@ class Hand {
   /** Call a method of workspace.runtime.Runtime in a fresh copy of the warm process; return what it says, and recordings. */
   async call(call, order, { files = {}, recordings = {} }) {
     await this.ready();
-    [this.reached, this.where] = [0, order.scenario || 'the judgement'];
+    [this.reached, this.where] = [0, order.scenario || (call === 'judge' ? 'the judgement' : 'the drive')];
     this.watch();
     try {
       const { said, recordings: made } = await this.send({ call, order, files, recordings });
@@ -83,10 +83,19 @@ class Hand {
 
 /** All workers: the one that is waited for, and a spare, where there is a processor and memory for it. */
 export class Machine {
-  constructor(manifest, listeners) {
+  constructor(manifest) {
+    this.manifest = manifest;
+    this.user = null; // the workspace that hears of what is done
+    const listeners = { onnews: (hand, news) => this.user.hear(hand, news), onsilence: (hand) => this.user.ask(hand) };
     const memory = navigator.deviceMemory ?? (matchMedia('(pointer: fine)').matches ? 8 : 2); // [GB]
     const most = navigator.hardwareConcurrency > 1 && memory >= 4 ? 2 : 1;
     this.hands = Array.from({ length: most }, () => new Hand(manifest, listeners));
+  }
+
+  /** Serve a workspace; what another one was at is stopped. */
+  serve(user) {
+    if (this.user !== user) this.hands.filter((hand) => hand.isWarm && hand.waiting).forEach((hand) => hand.end(new Stopped()));
+    this.user = user;
   }
 
   /** Return a warm hand; the others get ready meanwhile. */
@@ -102,14 +111,21 @@ export class Machine {
   /** Let every warm hand, and each that gets warm meanwhile, do something again and again while it returns true. */
   async together(act) {
     await this.ready();
-    let finish;
-    const over = new Promise((resolve) => { finish = resolve; });
-    await Promise.all(this.hands.map(async (hand) => {
-      await Promise.race([hand.warm.catch(() => over), over]);
-      while (hand.isWarm && await act(hand)); // eslint-disable-line no-await-in-loop
-      finish();
-    }));
+    let [finish, isOver] = [null, false];
+    const over = new Promise((resolve) => { finish = () => { isOver = true; resolve(); }; });
+    try {
+      await Promise.all(this.hands.map(async (hand) => {
+        await Promise.race([hand.warm.catch(() => over), over]);
+        while (!isOver && hand.isWarm && await act(hand)); // eslint-disable-line no-await-in-loop
+        finish();
+      }));
+    } finally {
+      finish(); // a hand that gets warm after another's error has nothing to do any more
+    }
   }
+
+  /** Let every Python start anew: one of them has broken. */
+  renew() { this.hands.forEach((hand) => hand.end(new Stopped())); }
 
   /** Stop whatever runs; a spare stays. */
   stop() {

@@ -1,4 +1,4 @@
-// A later visit needs no network: what the server does not answer is taken from what workspace.js has kept.
+// A later visit needs no network: what the server does not answer is taken from what keep.js has kept.
 addEventListener('fetch', (event) => {
   if (event.request.method !== 'GET') return;
   event.respondWith(fetch(event.request).catch(async (error) => {

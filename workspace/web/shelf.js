@@ -19,6 +19,18 @@ export class Shelf {
     }
   }
 
+  /** Return whether no other tab has this shelf; until this one is closed, none gets it. */
+  isAlone() {
+    if (!navigator.locks) return true; // without https
+    return new Promise((resolve) => {
+      navigator.locks.request(this.key, { ifAvailable: true }, (lock) => {
+        this.isElsewhere = !lock;
+        resolve(Boolean(lock));
+        return lock && new Promise(() => {});
+      }).catch(() => resolve(true));
+    });
+  }
+
   get text() { return typeof this.kept.text === 'string' ? this.kept.text : null; }
 
   set text(text) {

@@ -2,25 +2,39 @@
 
 const FOLDER = '/home/reader'; // of the node
 const RECORDINGS = '/recordings';
+const [LINES, LONGEST] = [2000, 2000]; // shown of what a call prints, and [characters] of each
 let python;
 let image;
 let top; // of the stack, when the image was made
 const calls = {}; // methods of workspace.runtime.Runtime
 
-const CACHE = 'course-workspace'; // also in workspace.js
+const CACHE = 'course-workspace'; // also in keep.js
 const PLAIN = { 'pyodide.asm.wasm': 'application/wasm', 'python_stdlib.zip': 'application/zip' };
 
 /** Fetch a file of the workspace, or have it from this browser's store: its address holds its hash. */
 const stored = async (name, manifest) => {
-  const address = `${name}?${manifest[name].sha256}`;
+  const { sha256 } = manifest[name];
+  const address = `${name}?${sha256}`;
   const store = await globalThis.caches?.open(CACHE).catch(() => null); // none without https, or in a private window
   const kept = await store?.match(address).catch(() => null);
-  if (kept) return kept;
-  const answer = await fetch(address);
-  if (!answer.ok) throw new Error(`${name}: ${answer.status} ${answer.statusText}`);
-  store?.put(address, answer.clone()).catch(() => {}); // no room: it works without
-  return answer;
+  if (kept && await isRight(kept, sha256)) return kept;
+  for (const cache of ['default', 'reload']) { // what the browser itself keeps may be wrong as well
+    const answer = await fetch(address, { cache }); // eslint-disable-line no-await-in-loop
+    if (!answer.ok) throw new Error(`${name}: the server answers ${answer.status} ${answer.statusText}. Reload the page.`);
+    if (await isRight(answer, sha256)) { // eslint-disable-line no-await-in-loop
+      store?.put(address, answer.clone()).catch(() => {}); // no room: it works without
+      return answer;
+    }
+  }
+  throw new Error(`${name}: the server sends something else, perhaps a page to log in. Open it in a tab of its own, then reload this one.`);
 };
+
+/** Return whether an answer is whole, and the file that the site was built with. Only https has hashes, as it has a store. */
+async function isRight(answer, sha256) {
+  if (!globalThis.crypto?.subtle) return true;
+  const hash = new Uint8Array(await crypto.subtle.digest('SHA-256', await answer.clone().arrayBuffer()));
+  return Array.from(hash, (byte) => byte.toString(16).padStart(2, '0')).join('') === sha256;
+}
 
 /** Return an answer whose content was compressed when the page was built: plain servers compress nothing. */
 const inflated = (packed, type = '') => new Response(packed.body.pipeThrough(new DecompressionStream('gzip')),
@@ -46,10 +60,27 @@ function unpack(archive) {
 const fail = (error) => postMessage({ kind: 'error', text: String(error && error.message ? error.message : error).slice(-4000) });
 const say = (text) => postMessage({ kind: 'progress', text });
 
+let lines; // that this call has printed
+const print = (text) => {
+  lines += 1;
+  if (lines <= LINES) postMessage({ kind: 'out', text: text.slice(0, LONGEST) });
+  if (lines === LINES + 1) postMessage({ kind: 'out', text: '… and more, which is not shown' });
+};
+
+/** Take from Python what reaches this site or its store: the code that it runs may have come in a link. */
+function forgetTheSite() {
+  const names = [
+    'caches', 'indexedDB', 'fetch', 'XMLHttpRequest', 'WebSocket', 'WebSocketStream', 'WebTransport', 'EventSource',
+    'BroadcastChannel', 'Worker', 'importScripts', 'navigator',
+  ];
+  for (let holder = globalThis; holder; holder = Object.getPrototypeOf(holder)) names.forEach((name) => delete holder[name]);
+}
+
 async function load(manifest) {
-  say('Fetching Python, 12 MB the first time …');
+  say('Fetching Python, 13 MB the first time …');
   const names = Object.keys(manifest).filter((name) => /\.pack$|^pyodide\//.test(name));
   const files = Object.fromEntries(names.map((name) => [name, stored(name, manifest)]));
+  Promise.all(Object.values(files)).catch(fail); // what waits for a file of Pyodide's would wait for ever
   importScripts(await script(await files['pyodide/pyodide.js']), await script(inflated(await files['pyodide/pyodide.asm.js.pack'])));
   const plainFetch = globalThis.fetch;
   globalThis.fetch = async (url, options) => {
@@ -59,14 +90,15 @@ async function load(manifest) {
   };
   python = await loadPyodide({
     indexURL: './pyodide/',
-    stdout: (text) => postMessage({ kind: 'out', text }),
-    stderr: (text) => postMessage({ kind: 'out', text }),
+    stdout: print,
+    stderr: print,
     env: {
       HOME: '/home', LANG: 'C.UTF-8', PYTHONHASHSEED: '0', PYTHONDONTWRITEBYTECODE: '1', ROS_DISTRO: 'jazzy',
       ROS_AUTOMATIC_DISCOVERY_RANGE: 'OFF', _ROS_WHEELS_BOOTSTRAP_COMPLETE: '1',
     },
   });
   globalThis.fetch = plainFetch;
+  forgetTheSite();
   for (const name of ['packages.pack', 'course.pack']) unpack(new Uint8Array(await inflated(await files[name]).arrayBuffer()));
   [FOLDER, RECORDINGS].forEach((folder) => python.FS.mkdirTree(folder));
   say('Starting rclpy, the robot and the judge …');
@@ -85,7 +117,7 @@ class Browser:
 page = runtime.warm("${RECORDINGS}", reached, ${threads ? 'Browser' : 'None'})
 `);
   const page = python.globals.get('page');
-  for (const name of ['trial', 'judge', 'replay', 'thread']) calls[name] = page[name];
+  for (const name of ['trial', 'drive', 'judge', 'replay', 'thread']) calls[name] = page[name];
   image = python._module.HEAPU8.slice();
   top = python._module.stackSave();
 }
@@ -117,8 +149,10 @@ async function answer(call, order, files, recordings) {
   fill(FOLDER, files);
   fill(RECORDINGS, recordings);
   restore();
-  const said = threads && call === 'trial' ? await calls.trial.callPromising(JSON.stringify(order)) : calls[call](JSON.stringify(order));
-  const made = call === 'trial' ? python.FS.readdir(RECORDINGS).filter((name) => !name.startsWith('.')) : [];
+  lines = 0;
+  const isTrial = call === 'trial' || call === 'drive';
+  const said = threads && isTrial ? await calls[call].callPromising(JSON.stringify(order)) : calls[call](JSON.stringify(order));
+  const made = isTrial ? python.FS.readdir(RECORDINGS).filter((name) => !name.startsWith('.')) : [];
   const contents = Object.fromEntries(made.map((name) => [name, python.FS.readFile(`${RECORDINGS}/${name}`)]));
   postMessage({ kind: 'answer', said, recordings: contents }, Object.values(contents).map(({ buffer }) => buffer));
 }

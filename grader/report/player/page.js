@@ -46,13 +46,14 @@ function foldIfNarrow(page) {
   }).observe(page);
 }
 
-/** Follow what the page around the frame says: light or dark; and whether the frame is to fit. */
+/** Follow what the page around the frame says: light or dark, whether to play, whether the frame is to fit. */
 function followFrame({ data }) {
-  const { theme, fit } = data || {};
+  const { theme, fit, play } = data || {};
   const root = document.documentElement;
   if (theme === 'light' || theme === 'dark') root.dataset.theme = theme;
   else delete root.dataset.theme;
   document.dispatchEvent(new CustomEvent('themechange'));
+  if (play) playSmall(new Set(['play']));
   const page = document.getElementById('page');
   if (!fit || page.classList.contains('is-fitted')) return;
   page.classList.add('is-fitted');

@@ -1,0 +1,113 @@
+"""What a lesson's page prints of a drive, in CPython, against `course drive`: byte for byte."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grader import cli
+from grader.course.exercises import ROOT
+from grader.link.hosts import ForkServer
+from workspace.runtime import REFUSED
+
+FORKED = Path(__file__).with_name("forked.py")
+LISTING = re.compile(r"(?ms)^```\{code-block\} python\n:caption: (\S+)\n\n(.*?)^```$")
+COMPUTE = re.compile(r"(?m)^  Compute: .*\n(?:\S.*\n)*")  # each machine has its own
+DRIVEN = [
+    ("loop", "one_beam_agent.py --scenario demo_wall"),
+    ("loop", "one_beam_agent.py --scenario demo_wall --param decision:=table"),
+    ("loop", "one_beam_agent.py --scenario demo_yard --lidar lds01"),
+    ("loop", "one_beam_agent.py --scenario demo_wall --lidar wide --seed 7"),
+    ("loop", "one_beam_agent.py --scenario avoid_field_turned"),
+    ("node", "nearest.py --scenario demo_wall --duration 10"),
+    ("node", "nearest.py --scenario demo_wall --duration 10 --param eager:=false --log all"),
+    ("state", "odometer.py --scenario goal_field_lost_odometry --duration 9"),
+    ("frames", "mounted_agent.py --scenario avoid_field_turned"),
+    ("plans", "errand.py --scenario demo_open --duration 25 --param limit:=8.0"),
+    ("real_time", "stale.py --scenario demo_wall --duration 10 --param depth:=5"),
+    ("real_time", "beat.py --scenario demo_wall --duration 6 --param threads:=2"),
+    ("awaiting", "awaiting.py --scenario demo_wall --duration 4"),
+    ("emergency_stop", "gate.py --scenario safe_e_stop --duration 14"),
+    ("turtlebot", "first_metres.py --scenario demo_wall --duration 5 --param stamped:=false"),
+    ("next", "adjustable.py --scenario demo_wall --duration 5 --param speed:=0.1"),
+    ("index", "wander.py --scenario demo_store --seed 1 --duration 40"),
+    # what goes wrong before a drive
+    ("loop", "one_beam_agent.py"),
+    ("loop", "one_beam_agent.py --scenario demo_wal"),
+    ("loop", "one_beam_agent.py --scenari demo_wall"),
+    ("loop", "one_beam_agent.py --scenario demo_wall --seed x"),
+    ("loop", "one_beam_agent.py --scenario demo_wall --param threshold=1"),
+    ("loop", "one_beam_agent.py --scenario demo_wall another.py"),
+    ("loop", "one_beam_agent.py --help"),
+]
+
+
+def listing(page: str, name: str) -> str:
+    found = LISTING.findall((ROOT / "lessons" / f"{page}.md").read_text("utf-8"))
+    return dict(found)[name]
+
+
+def said_by_page(folder: Path, orders: list[dict[str, str]]) -> list[dict[str, Any]]:
+    done = subprocess.run(
+        [sys.executable, FORKED, folder],
+        input="".join(f"{json.dumps(order)}\n" for order in orders),
+        text=True,
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+@pytest.fixture
+def typed(
+    forkserver: ForkServer, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[[str], str]:
+    """Return what the command prints for what is typed, errors included."""
+    warm = contextlib.nullcontext(forkserver)
+    monkeypatch.setattr("grader.cli.drive.start_forkserver", lambda *_, **__: warm)
+    monkeypatch.setenv("COLUMNS", "80")
+
+    def typed(command: str) -> str:
+        monkeypatch.setattr("sys.argv", ["course", *command.split()])
+        with pytest.raises(SystemExit):
+            cli.main()
+        return "".join(capsys.readouterr())
+
+    return typed
+
+
+def test_the_page_prints_what_course_drive_prints(
+    typed: Callable[[str], str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    orders, expected = [], []
+    for number, (page, command) in enumerate(DRIVEN):
+        name, _, arguments = command.partition(" ")
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        (folder / name).write_text(listing(page, name), "utf-8")
+        monkeypatch.chdir(folder)
+        expected.append(typed(f"drive {command}"))
+        orders.append({"file": str(folder / name), "arguments": arguments})
+    found = [said["printed"] for said in said_by_page(tmp_path, orders)]
+    for (_, command), here, there in zip(DRIVEN, found, expected, strict=True):
+        assert COMPUTE.sub("", here) == COMPUTE.sub("", there), command
+        assert here.startswith(("course: ", "Usage: ")) or COMPUTE.search(here), command
+
+
+def test_options_without_sense_in_a_page_are_refused_with_a_sentence(tmp_path: Path) -> None:
+    node = tmp_path / "one_beam_agent.py"
+    node.write_text(listing("loop", node.name), "utf-8")
+    wrong = [*(f"--scenario demo_wall {option}" for option in REFUSED), "--param='"]
+    said = said_by_page(tmp_path, [{"file": str(node), "arguments": words} for words in wrong])
+    for option, each in zip(REFUSED, said, strict=False):
+        assert each == {"printed": f"course: {option}: {REFUSED[option]}\n"}
+    assert said[-1] == {"printed": "course: No closing quotation\n"}

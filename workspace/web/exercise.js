@@ -1,0 +1,259 @@
+// The workspace of an exercise's page: its scenarios, and the grader's checks.
+
+import { el } from './element.js';
+import { showChanges } from './shelf.js';
+import { Workspace, button } from './workspace.js';
+
+const JUDGE_EVERY = 2; // [s] while a check drives on: each time costs about half a second
+const OUTCOMES = {
+  pass: '✓ passed', fail: '✗ failed', skip: '– not judged', error: '! the grader failed', inconclusive: '? undecided',
+  unavailable: '– not available',
+};
+
+/** Read the exercise's page of hints: by task, the elements in their order. */
+async function readHints(url) {
+  const page = new DOMParser().parseFromString(await (await fetch(url)).text(), 'text/html');
+  const tasks = {};
+  for (const section of page.querySelectorAll('article section section')) {
+    const task = /(\d+)/.exec(section.querySelector('h2')?.textContent || '');
+    if (task) tasks[task[1]] = [...section.querySelectorAll('details')];
+  }
+  return tasks;
+}
+
+function options(titles) {
+  return Object.entries(titles).map(([name, title]) => el('option', { value: name }, `${name}: ${title}`));
+}
+
+export class Exercise extends Workspace {
+  constructor(plan, demos, machine) {
+    const [file] = plan.files;
+    super({
+      what: 'exercise', file, skeleton: plan.skeleton[file], origin: 'the skeleton', shelf: plan.slug, words: plan.words,
+      threads: plan.threads,
+    }, machine);
+    this.plan = plan;
+    this.recordings = {}; // of the last check, by their files
+    this.rows = {};
+    this.scenario = el('select', { id: 'ws-scenario', 'aria-label': 'Scenario' },
+      el('optgroup', { label: 'Scenarios of the checks' }, options(plan.scenarios)),
+      el('optgroup', { label: 'To try things' }, options(demos)));
+    this.exit = this.scenario;
+    this.seed = el('input', { id: 'ws-seed', type: 'number', min: 0, max: 1000000, placeholder: 'its own' });
+    this.score = el('div', { class: 'ws-score' }, `Practice: ${plan.points} points can be won here. `
+      + 'Your instructor’s grade comes from the real rclpy on Linux.');
+    this.changesButton = button('Changes', () => this.changes(), { title: 'Since the last version that passed all checks' });
+    this.build({
+      label: `Workspace: exercise ${plan.number}, ${plan.title}`,
+      title: `${plan.number}. ${plan.title}`,
+      tools: [
+        button('Drive', () => this.drive(), { title: 'Ctrl-Enter', class: 'ws-main' }),
+        el('label', { for: 'ws-scenario' }, 'in'), this.scenario,
+        el('label', { for: 'ws-seed', class: 'ws-seed' }, 'seed', this.seed),
+        button('Check', () => this.check(), { title: 'Ctrl-Shift-Enter', class: 'ws-main' }),
+      ],
+      fileTools: [button('Task', () => this.showTask(), { title: 'What is to be done' }), this.changesButton],
+      result: [this.score, el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)))],
+      names: ['Code', 'Replay', 'Checks'],
+      empty: 'Drive the node, or check it: its run is shown here.',
+    });
+  }
+
+  get hash() { return '#workspace'; }
+
+  get keys() { return { ...super.keys, 'Ctrl-Shift-Enter': () => this.check() }; }
+
+  get pages() { return [this.hintsPage.href]; }
+
+  get hintsPage() { return new URL('hints.html', location.href); }
+
+  // --- what is done
+
+  /** Run the node in a scenario; return how it ended, and its recording. */
+  trial(hand, scenario, more) { return this.run(hand, 'trial', { others: this.plan.files, scenario, ...more }); }
+
+  drive() {
+    if (!this.seed.checkValidity()) {
+      this.say('The seed is a whole number from 0 to 1000000.');
+      return null;
+    }
+    const scenario = this.scenario.value;
+    const seed = this.seed.value === '' ? {} : { seed: Number(this.seed.value) };
+    this.editor.mark(0);
+    return this.work(async () => {
+      const hand = await this.machine.ready();
+      hand.doing = `Driving in ${scenario}`;
+      this.say(`${hand.doing} …`);
+      const [ended, recordings] = await this.trial(hand, scenario, seed);
+      this.show('replay');
+      return this.showDrive(ended, scenario, recordings, this.plan.title);
+    });
+  }
+
+  check() {
+    if (this.busy) return null;
+    this.editor.mark(0);
+    Object.values(this.rows).forEach(({ fill }) => fill(null));
+    this.score.replaceChildren();
+    [this.judged, this.stale.hidden] = [undefined, true];
+    return this.work(async () => {
+      const text = this.editor.text;
+      await this.driveAll();
+      this.say('Judging …');
+      const grading = await this.judge(await this.machine.ready());
+      this.fill(grading, this.plan.checks.map(({ id }) => id));
+      this.shelf.add(text, `${grading.score} of ${grading.max_score}`, grading.checks.every(({ outcome }) => outcome === 'pass'));
+      this.listVersions();
+      this.speakOf(text);
+      await this.tell(grading);
+      return `${grading.score} of ${grading.max_score} points.`;
+    });
+  }
+
+  /** Drive in all scenarios of the checks; on a slow machine judge what can be judged meanwhile. */
+  async driveAll() {
+    const { checks } = this.plan;
+    const wanted = [...new Set(checks.flatMap((check) => check.scenarios))];
+    const left = [...wanted];
+    let [shown, last] = [0, performance.now()];
+    this.recordings = {};
+    await this.machine.together(async (hand) => {
+      const scenario = left.shift();
+      if (!scenario) return false;
+      const number = wanted.length - left.length;
+      hand.doing = `Run ${number} of ${wanted.length}, ${scenario}`;
+      this.say(`${hand.doing} …`);
+      const [, recordings] = await this.trial(hand, scenario, { interrupt: number === 1 });
+      Object.assign(this.recordings, recordings);
+      const open = checks.findIndex((check) => !check.scenarios.every((name) => `${name}.pickle` in this.recordings));
+      if (performance.now() - last > JUDGE_EVERY * 1000 && open > shown) {
+        const only = checks.slice(shown, open).map(({ id }) => id);
+        [shown, last] = [open, performance.now()];
+        this.fill(await this.judge(hand, only), only);
+      }
+      return true;
+    });
+  }
+
+  async judge(hand, only = []) {
+    const order = { exercise: this.plan.slug, file: this.file, scenarios: this.driven, only };
+    return (await hand.call('judge', order, { recordings: this.recordings }))[0];
+  }
+
+  /** The scenarios of which there are recordings, in the order of the checks. */
+  get driven() { return Object.keys(this.plan.scenarios).filter((name) => `${name}.pickle` in this.recordings); }
+
+  /** Show a grading as a whole, and the first failure where it happens; all runs if nothing failed. */
+  async tell(grading) {
+    const { cause } = grading;
+    this.score.replaceChildren(
+      el('strong', {}, `${grading.score} of ${grading.max_score} points. `),
+      grading.cap ? `${grading.cap} ` : '', el('span', { class: 'ws-note' }, grading.notes.join(' ')),
+      cause ? el('p', { class: 'ws-cause' }, el('strong', {}, 'Cause: '), cause.text,
+        cause.where ? el('pre', {}, cause.where) : null) : '');
+    const first = grading.checks.find((check) => check.outcome === 'fail');
+    if (!first) await this.playChecked(this.driven, grading.checks);
+    else if (first.scenario) await this.playChecked([first.scenario], [first]);
+    if (first) this.mark(cause && /line \d/.test(cause.where) ? { where: cause.where, message: cause.text } : first);
+    this.show('result');
+    this.score.parentElement.scrollTop = 0;
+  }
+
+  playChecked(scenarios, checks) { return this.play(scenarios, checks, this.recordings, this.plan.title); }
+
+  // --- its rows
+
+  row(check) {
+    const state = el('span', { class: 'ws-state' });
+    const detail = el('div', { class: 'ws-detail' });
+    const title = el('span', { class: 'ws-title' });
+    const row = el('li', { 'data-check': check.id },
+      el('div', { class: 'ws-row' }, state, title,
+        el('span', { class: 'ws-points' }, `${check.points}`)), detail);
+    const fill = (result) => {
+      row.dataset.outcome = result ? result.outcome : '';
+      title.textContent = (result || check).title; // one that failed at its door is called by that
+      state.textContent = result ? OUTCOMES[result.outcome] : '○ open';
+      detail.replaceChildren(...(result && result.outcome !== 'pass' ? this.details(result) : []));
+    };
+    fill(null);
+    this.rows[check.id] = { fill };
+    return row;
+  }
+
+  fill(grading, ids) {
+    for (const result of grading.checks) if (ids.includes(result.id)) this.rows[result.id].fill(result);
+  }
+
+  details(result) {
+    const line = (name, text) => (text ? el('p', {}, el('b', {}, `${name} `), text) : null);
+    const told = el('div', { class: 'ws-hints' });
+    const seen = result.scenario && result.outcome === 'fail';
+    return [
+      result.message ? el('p', {}, result.message) : null,
+      line('Expected:', result.expected), line('Got:', result.actual), line('', result.help),
+      result.where ? el('pre', {}, result.where) : null,
+      result.log ? el('pre', {}, result.log) : null,
+      el('div', { class: 'ws-tools' },
+        seen ? button(result.time === null ? 'Show' : `Show ${result.time.toFixed(2)} s`, () => this.look(result)) : null,
+        result.outcome === 'fail' && result.task ? button('A hint', (event) => this.hint(result, told, event.currentTarget)) : null),
+      told,
+    ].filter(Boolean);
+  }
+
+  look(result) {
+    this.mark(result);
+    this.work(async () => {
+      await this.playChecked([result.scenario], [result]);
+      this.show('replay');
+      return result.message;
+    });
+  }
+
+  /** Show the next hint of a check's task, beginning with the one for the check. */
+  async hint(result, told, more) {
+    try {
+      this.hints ??= await readHints(this.hintsPage);
+    } catch {
+      told.append(el('p', {}, 'The hints can’t be read here; they have a page of their own.'));
+      return;
+    }
+    const [task, number] = (result.hint || `${result.task}.1`).split('.');
+    const all = this.hints[task] || [];
+    told.shown ??= Math.max(0, Number(number) - 1);
+    if (all[told.shown]) {
+      const shown = document.importNode(all[told.shown], true);
+      shown.open = true;
+      told.append(shown);
+      told.shown += 1;
+    }
+    more.textContent = all[told.shown] ? 'One hint more' : 'No more hints';
+    more.disabled = !all[told.shown];
+  }
+
+  /** Show the page's own text where the replay stands. */
+  showTask() {
+    const text = document.querySelector('article').cloneNode(true);
+    text.querySelectorAll('.workspace-block, .headerlink').forEach((part) => part.remove());
+    text.querySelectorAll('[id]').forEach((part) => part.removeAttribute('id'));
+    text.querySelectorAll('a').forEach((link) => { link.target = '_blank'; });
+    this.replay.replaceChildren(el('div', { class: 'ws-task', tabindex: 0, 'aria-label': 'The task' }, text));
+    this.show('replay');
+  }
+
+  listVersions() {
+    super.listVersions();
+    this.changesButton.disabled = !this.shelf.green;
+  }
+
+  /** Show above the checks what is different from the last version that passed them all. */
+  changes() {
+    const { text, at } = this.shelf.green;
+    const since = `what passed all checks on ${new Date(at).toLocaleString()}`;
+    const same = text === this.editor.text;
+    this.score.replaceChildren(el('p', {}, same ? `This is ${since}.` : `Changed since ${since}:`),
+      same ? '' : showChanges(text, this.editor.text));
+    this.show('result');
+    this.score.scrollIntoView();
+  }
+}
