@@ -30,7 +30,7 @@ def shared(folder: str, pattern: str) -> tuple[str, list[str]]:
 
 setup(
     name=NAME,
-    version="0.1.0",
+    version="1.0.0",
     description="The exercises of the course: a student's nodes, launch files and parameters",
     license="Apache-2.0",
     # This folder is the package. By "." colcon build --symlink-install would not find it.

@@ -16,7 +16,7 @@ from rclpy_portable import unpacking  # noqa: E402
 unpacking.folder(print)
 setup(
     name="rclpy-portable",
-    version="0.1.0",
+    version="1.0.0",
     description="The real rclpy without ROS: its own Python over a native half in Python",
     license="Apache-2.0",
     python_requires=">=3.11",

@@ -16,7 +16,7 @@ EXERCISES = {  # a package of the robot's for each exercise's scenarios, which l
 
 setup(
     name=NAME,
-    version="0.1.0",
+    version="1.0.0",
     description="The mock robot of the course: lidar, odometry and motors on ROS 2 topics",
     license="Apache-2.0",
     # This folder is the package. By "." colcon build --symlink-install would not find it.

@@ -77,7 +77,7 @@ def with_address(notebook: bytes, address: str) -> bytes:
     if not _ADDRESS.fullmatch(address):
         raise InputError(
             f"--source {address!r}: expected the address of the course's wheel, such as "
-            "https://university.example/rclpy_agents_course-0.1.0-py3-none-any.whl"
+            "https://university.example/rclpy_agents_course-1.0.0-py3-none-any.whl"
         )
     before, after = (
         json.dumps(SOURCE.format(address=f'"{text}"'))[1:-1].encode() for text in ("", address)
