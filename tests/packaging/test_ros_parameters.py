@@ -74,7 +74,7 @@ def ask(*nodes: tuple[Path, str, Path]) -> list[dict[str, Any]]:
 def others(values: Parameters) -> Parameters:
     """Return other values of the same types: no node has them by default."""
     return {
-        name: value / 2 if isinstance(value, float) else f"other_{value}"
+        name: value * 0.9 if isinstance(value, float) else f"other_{value}"
         for name, value in values.items()
     }
 
@@ -83,6 +83,8 @@ def test_every_node_with_parameters_has_its_file() -> None:
     nodes = {node for file in FILES for node in parameters_of(file)}
     assert {file.stem for file in FILES} <= {exercise.slug for exercise in all_exercises()}
     for exercise in all_exercises():
+        if exercise.files[0].endswith("launch.py"):
+            continue  # which has them
         for file in exercise.files:
             source = (exercise.solutions / file).read_text("utf-8")
             if "declare_parameter(" in source and file != "detection_client.py":

@@ -37,7 +37,7 @@ DRIVEN = [
     ("awaiting", "awaiting.py --scenario demo_wall --duration 4"),
     ("emergency_stop", "gate.py --scenario safe_e_stop --duration 14"),
     ("turtlebot", "first_metres.py --scenario demo_wall --duration 5 --param stamped:=false"),
-    ("next", "adjustable.py --scenario demo_wall --duration 5 --param speed:=0.1"),
+    ("plans", "errand.py --scenario demo_open --duration 25"),
     ("index", "wander.py --scenario demo_store --seed 1 --duration 40"),
     # what goes wrong before a drive
     ("loop", "one_beam_agent.py"),
