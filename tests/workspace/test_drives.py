@@ -28,7 +28,6 @@ DRIVEN = [
     ("loop", "one_beam_agent.py --scenario demo_wall --lidar wide --seed 7"),
     ("loop", "one_beam_agent.py --scenario avoid_field_turned"),
     ("node", "nearest.py --scenario demo_wall --duration 10"),
-    ("node", "nearest.py --scenario demo_wall --duration 9 --param eager:=false --log all"),
     ("state", "odometer.py --scenario goal_field_lost_odometry --duration 9"),
     ("frames", "mounted_agent.py --scenario avoid_field_turned"),
     ("plans", "errand.py --scenario demo_open --duration 25 --param limit:=8.0"),
