@@ -250,6 +250,7 @@ def run_trial(kernel: kernel_module.Kernel, epoch: int, wire: Wire) -> None:
     from . import program  # noqa: PLC0415  (rclpy is imported by now)
     from .virtual import bridge, discovery, executors, session  # noqa: PLC0415
 
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # background jobs ignore it
     trial = session.Session(wire)
     trial.kernel, kernel.world = kernel, trial
     start = trial.start()

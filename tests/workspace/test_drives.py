@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import re
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -28,6 +29,7 @@ DRIVEN = [
     ("loop", "one_beam_agent.py --scenario demo_wall --lidar wide --seed 7"),
     ("loop", "one_beam_agent.py --scenario avoid_field_turned"),
     ("node", "nearest.py --scenario demo_wall --duration 10"),
+    ("node", "nearest.py --scenario demo_wall --duration 10 --param eager:=false --log all"),
     ("state", "odometer.py --scenario goal_field_lost_odometry --duration 9"),
     ("frames", "mounted_agent.py --scenario avoid_field_turned"),
     ("plans", "errand.py --scenario demo_open --duration 25 --param limit:=8.0"),
@@ -57,6 +59,7 @@ def listing(page: str, name: str) -> str:
 def said_by_page(folder: Path, orders: list[dict[str, str]]) -> list[dict[str, Any]]:
     done = subprocess.run(
         [sys.executable, FORKED, folder],
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),  # as a background job
         input="".join(f"{json.dumps(order)}\n" for order in orders),
         text=True,
         capture_output=True,
