@@ -2,21 +2,19 @@
 
 import io
 import sys
-import textwrap
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import msgspec
-import numpy as np
 import pytest
+from drives import drive_file, summary
 from node_runs import PREAMBLE, RunNode, short
 
 from grader.course.submission import Submission
 from grader.drive import (
     arguments_of,
     drive_node,
-    print_summary,
     read_env,
     read_keys,
     read_params_files,
@@ -27,7 +25,7 @@ from grader.drive.summary import NO_MAIN
 from grader.errors import InputError
 from grader.host.frames import MAX_STDIN
 from grader.link.hosts import ForkServer
-from grader.recording import Outcome, Recording, costs_of
+from grader.recording import Outcome, Recording
 from sim.scenario import Transforms
 from sim.scenario_files import load_scenario
 
@@ -102,12 +100,6 @@ def test_malformed_remappings(rule: str) -> None:
 @pytest.fixture
 def drive(run_node: RunNode) -> Recording:
     return run_node("rclpy.init(); rclpy.spin(Echo())", short(1.0))
-
-
-def summary(recording: Recording, capsys: pytest.CaptureFixture[str]) -> str:
-    capsys.readouterr()
-    print_summary(recording, file="echo.py")
-    return " ".join(capsys.readouterr().out.split())
 
 
 def test_the_summary(drive: Recording, capsys: pytest.CaptureFixture[str]) -> None:
@@ -321,12 +313,6 @@ def test_what_is_to_be_read_from_stdin(tmp_path: Path, monkeypatch: pytest.Monke
         read_stdin(str(file))
 
 
-def drive_file(tmp_path: Path, forkserver: ForkServer, source: str, **options: object) -> Recording:
-    file = tmp_path / "foreign.py"
-    file.write_text(PREAMBLE + textwrap.dedent(source), "utf-8")
-    return drive_node(Submission(file), short(1.0), forkserver, **options)  # type: ignore[arg-type]
-
-
 def test_a_node_with_foreign_topics_and_a_parameter_file(
     tmp_path: Path, forkserver: ForkServer
 ) -> None:
@@ -374,91 +360,6 @@ def test_a_node_that_asks_for_input_with_and_without_it(
     assert outcome.kind == "exception"
     assert outcome.text.startswith("EOFError: EOF when reading a line")
     assert "--stdin FILE" in outcome.text
-
-
-COMPUTES = """
-class Computes(Echo):
-    def on_scan(self, scan):
-        {before}
-        end = time.process_time() + 0.3
-        while time.process_time() < end:
-            pass
-        {after}
-        super().on_scan(scan)
-rclpy.init(); rclpy.spin(Computes())
-"""
-SILENT = {"before": "", "after": ""}
-MEASURES = {"before": "began = time.perf_counter()", "after": "print(time.perf_counter() - began)"}
-ROS_TIME = {
-    "before": "began = self.get_clock().now()",
-    "after": "print((self.get_clock().now() - began).nanoseconds / 1e9)",
-}
-
-
-def test_computing_costs_no_time(
-    tmp_path: Path, forkserver: ForkServer, capsys: pytest.CaptureFixture[str]
-) -> None:
-    recording = drive_file(tmp_path, forkserver, COMPUTES.format(**MEASURES))
-    costs = costs_of(recording)
-    said = summary(recording, capsys)
-
-    assert len(recording.twists().t) == 10
-    measured = {float(line.text) for line in recording.log}
-    assert max(measured) < 2e-6  # what reading the clock takes
-    assert costs is not None
-    assert 0.29 < costs.p50 <= costs.p99 <= costs.worst
-    assert (costs.late, costs.period, costs.keeps_up) == (10, 0.1, False)
-    assert "/cmd_vel geometry_msgs/msg/Twist reliable 10 messages (10.0 Hz)" in said
-    assert "the lidar's period is 100 ms WARNING: the node can't keep up" in said
-    assert "of 10 scans a second" in said
-
-
-@pytest.mark.parametrize(
-    "reads",
-    [
-        pytest.param(SILENT, id="silent"),
-        pytest.param(MEASURES, id="steady", marks=pytest.mark.long),
-        pytest.param(ROS_TIME, id="ros", marks=pytest.mark.long),
-    ],
-)
-def test_computing_costs_time_if_charged(
-    tmp_path: Path, forkserver: ForkServer, reads: dict[str, str]
-) -> None:
-    recording = drive_file(tmp_path, forkserver, COMPUTES.format(**reads), charge_compute=True)
-    t = recording.twists().t
-
-    assert recording.outcome.completed, recording.outcome
-    assert len(recording.times("/scan")) == 10
-    assert len(t) in (2, 3)
-    first, *between = np.diff(t, prepend=recording.times("/scan")[0]).round(6)
-    assert first >= 0.3
-    assert all(span >= 0.3 for span in between)
-    assert all(round(float(line.text), 6) >= 0.3 for line in recording.log)
-    assert len(recording.log) >= (0 if reads is SILENT else 2)
-
-
-def test_a_sleep_begins_after_what_was_computed(tmp_path: Path, forkserver: ForkServer) -> None:
-    source = COMPUTES.format(before="", after="time.sleep(0.2)")
-    recording = drive_file(tmp_path, forkserver, source, charge_compute=True)
-
-    assert round(recording.twists().t[0] - recording.times("/scan")[0], 6) >= 0.5
-
-
-def test_only_the_computing_of_the_scenario_is_charged(
-    tmp_path: Path, forkserver: ForkServer, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Its start-up is not, nor is what the host does between the node's callbacks."""
-    start_up = "end = time.process_time() + 0.5\nwhile time.process_time() < end: pass\n"
-    recording = drive_file(
-        tmp_path, forkserver, start_up + "rclpy.init(); rclpy.spin(Echo())", charge_compute=True
-    )
-    lag = recording.twists().t - recording.times("/scan")
-    capsys.readouterr()
-    print_summary(recording, file="echo.py")
-
-    assert len(lag) == 10
-    assert (lag < 0.05).all()
-    assert "--charge-compute" in capsys.readouterr().out
 
 
 TELEOPERATES = """

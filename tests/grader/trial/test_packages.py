@@ -2,96 +2,21 @@
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Mapping
 from pathlib import Path
 
 import msgspec
 import pytest
+from laid_packages import INNER, LAUNCH, MINE, NODE, SETUP, XML, lay
 from node_runs import short
 
-from grader.course.submission import Package, Program, Submission, find_submission
+from grader.course.submission import Program, Submission, find_submission
 from grader.errors import InputError
-from grader.host.frames import Executable, Launched, PackageRead
 from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.kept import KeptRecordings
-from grader.trial.packages import _with_programs, unpacked
+from grader.trial.packages import unpacked
 from grader.trial.virtual_time import run_trial
 from sim.scenario import NodeSpec, ProgramSpec
-
-XML = "<package><name>mine</name></package>"
-SETUP = """
-    import os
-    from glob import glob
-    from setuptools import find_packages, setup
-    setup(name="mine", packages=find_packages(exclude=["test"]),
-          data_files=[(os.path.join("share", "mine", "config"), glob("config/*.yaml")),
-                      (os.path.join("share", "mine"), glob("launch/*.py"))],
-          entry_points={"console_scripts": ["one = mine.one:main", "two = mine.two:main"]})
-    """
-NODE = """
-    import rclpy
-    from rclpy.node import Node
-    from mine.common import counted
-
-    def main(args=None):
-        rclpy.init(args=args)
-        node = Node("node")
-        node.declare_parameter("word", "none")
-        print(__name__, node.get_name(), node.get_parameter("word").value, counted())
-        rclpy.spin(node)
-    """
-COMMON = "SEEN = []\ndef counted():\n    SEEN.append(1)\n    return len(SEEN)\n"
-LAUNCH = """
-    from ament_index_python.packages import get_package_share_directory
-    from launch import LaunchDescription
-    from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
-    from launch.launch_description_sources import PythonLaunchDescriptionSource
-    from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
-    from launch_ros.actions import Node
-    from launch_ros.substitutions import FindPackageShare
-
-    def generate_launch_description():
-        share = get_package_share_directory("mine")
-        return LaunchDescription([
-            DeclareLaunchArgument("name", default_value="first"),
-            Node(package="mine", executable="one", name=LaunchConfiguration("name"),
-                 parameters=[PathJoinSubstitution([FindPackageShare("mine"), "config", "p.yaml"])]),
-            Node(package="rviz2", executable="rviz2"),
-            IncludeLaunchDescription(
-                PythonLaunchDescriptionSource(share + "/inner.launch.py"),
-                launch_arguments={"word": "7"}.items()),
-        ])
-    """
-INNER = """
-    from launch import LaunchDescription
-    from launch.actions import DeclareLaunchArgument
-    from launch.substitutions import LaunchConfiguration
-    from launch_ros.actions import Node
-
-    def generate_launch_description():
-        return LaunchDescription([
-            DeclareLaunchArgument("word"),
-            Node(executable="two", package="mine",
-                 parameters=[{"word": ["n", LaunchConfiguration("word")]}])])
-    """
-MINE = {
-    "package.xml": XML,
-    "setup.py": SETUP,
-    "mine/__init__.py": "",
-    "mine/common.py": COMMON,
-    "mine/one.py": NODE,
-    "mine/two.py": NODE.replace("mine.common", ".common"),
-    "config/p.yaml": "first:\n  ros__parameters:\n    word: shared\n",
-}
-
-
-def lay(folder: Path, files: Mapping[str, str]) -> Path:
-    for name, text in files.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(textwrap.dedent(text))
-    return folder
 
 
 def drive(submission: Submission, forkserver: ForkServer, **options: object) -> Recording:
@@ -409,66 +334,6 @@ def test_what_is_wrong_with_a_package_is_one_line(
     assert expected in outcome.text
     assert "beside the node" not in outcome.text
     assert "\n" not in outcome.text
-
-
-@pytest.mark.parametrize(
-    "answer",
-    [
-        {"files": {"../out.py": "setup.py"}},
-        {"files": {"/tmp/out.py": "setup.py"}},
-        {"files": {"mine/one.py": "../../secret"}},
-        {"files": {"mine/one.py": "/etc/passwd"}},
-        {"files": {".git/hooks/x": "setup.py"}},
-    ],
-)
-def test_a_forged_answer_places_nothing_outside(answer: dict[str, object], tmp_path: Path) -> None:
-    submission = find_submission(lay(tmp_path, MINE))
-    read = PackageRead(
-        executables=(Executable("one", "mine/one.py", "mine.one:main"),),
-        launched=(Launched("one", ()),),
-        **answer,  # type: ignore[arg-type]
-    )
-    made = _with_programs(submission, Package(), "", read)
-    assert made.problem
-    assert set(made.beside) <= set(submission.beside)
-
-
-ONE = {"mine/one.py": "mine/one.py"}
-
-
-@pytest.mark.parametrize(
-    ("more", "words"),
-    [
-        ({"x": "setup.py", "x/y": "setup.py"}, ()),
-        ({"mine": "setup.py"}, ()),  # a folder of its own
-        ({"": "setup.py"}, ()),
-        ({"./x": "setup.py", "é" * 150: "setup.py"}, ()),  # longer than a name can be
-        ({}, ("é" * 20_000,) * 100),  # more than a frame of the judge's takes
-    ],
-)
-def test_a_forged_answer_is_no_fault_of_the_graders(
-    more: dict[str, str], words: tuple[str, ...], tmp_path: Path
-) -> None:
-    submission = find_submission(lay(tmp_path, MINE))
-    one = (Executable("one", "mine/one.py", "mine.one:main"),)
-    read = PackageRead(files=ONE | more, executables=one, launched=(Launched("one", words),))
-    made = _with_programs(submission, Package(), "a_launch.py", read)
-    if made.problem:
-        return
-    with made.folder() as folder:
-        assert (folder / "mine" / "one.py").is_file()
-    assert sum(len(word.encode()) for p in made.started() for word in p.arguments) < 2**20
-
-
-def test_a_forged_note_draws_nothing_on_a_terminal(tmp_path: Path) -> None:
-    submission = find_submission(lay(tmp_path, MINE))
-    read = PackageRead(
-        files={"mine/one.py": "mine/one.py"},
-        executables=(Executable("one", "mine/one.py", "mine.one:main"),),
-        notes=("\x1b[2J", "rviz2 is not started here"),
-    )
-    made = _with_programs(submission, Package(main="one.py"), "", read)
-    assert (made.problem, made.left) == ("", ("rviz2 is not started here",))
 
 
 @pytest.mark.parametrize("name", ["m.pkl", "m.pkl/below"])
