@@ -284,3 +284,14 @@ def test_a_python_that_a_node_broke_starts_anew(open_workspace: Any) -> None:
     assert page.locator(".ws-stale").is_hidden()
     type_in(page, "# changed\n")
     assert page.locator(".ws-stale").is_visible()
+
+
+def test_what_is_typed_during_a_check_is_not_checked(open_workspace: Any) -> None:
+    page = open_workspace()
+    settle(page)
+    type_in(page, (find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py").read_text())
+    page.keyboard.press("Control+Shift+Enter")
+    page.locator(".ws-status", has_text="Run 2").wait_for(timeout=SLOW)
+    type_in(page, "# changed\n")
+    assert settle(page) == "100 of 100 points."
+    assert page.locator(".ws-stale").is_visible()

@@ -69,8 +69,8 @@ export class Exercise extends Workspace {
 
   // --- what is done
 
-  /** Run the node in a scenario; return how it ended, and its recording. */
-  trial(hand, scenario, more) { return this.run(hand, 'trial', { others: this.plan.files, scenario, ...more }); }
+  /** Run a node's text in a scenario; return how it ended, and its recording. */
+  trial(hand, scenario, text, more) { return this.run(hand, 'trial', { others: this.plan.files, scenario, ...more }, text); }
 
   drive() {
     if (!this.seed.checkValidity()) {
@@ -84,7 +84,7 @@ export class Exercise extends Workspace {
       const hand = await this.machine.ready();
       hand.doing = `Driving in ${scenario}`;
       this.say(`${hand.doing} …`);
-      const [ended, recordings] = await this.trial(hand, scenario, seed);
+      const [ended, recordings] = await this.trial(hand, scenario, this.editor.text, seed);
       this.show('replay');
       return this.showDrive(ended, scenario, recordings, this.plan.title);
     });
@@ -98,7 +98,7 @@ export class Exercise extends Workspace {
     [this.judged, this.stale.hidden] = [undefined, true];
     return this.work(async () => {
       const text = this.editor.text;
-      await this.driveAll();
+      await this.driveAll(text);
       this.say('Judging …');
       const grading = await this.judge(await this.machine.ready());
       this.fill(grading, this.plan.checks.map(({ id }) => id));
@@ -111,7 +111,7 @@ export class Exercise extends Workspace {
   }
 
   /** Drive in all scenarios of the checks; on a slow machine judge what can be judged meanwhile. */
-  async driveAll() {
+  async driveAll(text) {
     const { checks } = this.plan;
     const wanted = [...new Set(checks.flatMap((check) => check.scenarios))];
     const left = [...wanted];
@@ -123,7 +123,7 @@ export class Exercise extends Workspace {
       const number = wanted.length - left.length;
       hand.doing = `Run ${number} of ${wanted.length}, ${scenario}`;
       this.say(`${hand.doing} …`);
-      const [, recordings] = await this.trial(hand, scenario, { interrupt: number === 1 });
+      const [, recordings] = await this.trial(hand, scenario, text, { interrupt: number === 1 });
       Object.assign(this.recordings, recordings);
       const open = checks.findIndex((check) => !check.scenarios.every((name) => `${name}.pickle` in this.recordings));
       if (performance.now() - last > JUDGE_EVERY * 1000 && open > shown) {

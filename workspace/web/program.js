@@ -60,8 +60,9 @@ export class Program extends Workspace {
       const hand = await this.machine.ready();
       hand.doing = `Driving ${this.file}`;
       this.say(`${hand.doing} …`);
-      const changed = this.isChanged;
-      const [ended, recordings] = await this.run(hand, 'drive', { arguments: this.line.value });
+      const [{ text }, changed] = [this.editor, this.isChanged];
+      const [ended, recordings] = await this.run(hand, 'drive', { arguments: this.line.value }, text);
+      this.speakOf(text);
       this.tell(ended.printed, changed);
       if (!ended.scenario) {
         this.show('result');
@@ -74,7 +75,6 @@ export class Program extends Workspace {
 
   /** Show what the command prints; mark what is different from the drive before. */
   tell(printed, changed) {
-    this.speakOf(this.editor.text);
     const lines = printed.trimEnd().split('\n').map((line) => line.trimEnd());
     const measured = (MEASURED.exec(lines.join('\n')) || [''])[0].split('\n');
     const isNew = (line) => this.before && line && !measured.includes(line) && !this.before.includes(line);

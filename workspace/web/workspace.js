@@ -216,11 +216,11 @@ export class Workspace {
     this.stopButton.hidden = this.question.hidden = true;
   }
 
-  /** Run the node, by a `call` of workspace.runtime.Runtime; return what it says, and its recording. */
-  async run(hand, call, order) {
-    const files = { [this.file]: this.editor.text };
+  /** Run a node's text, by a `call` of workspace.runtime.Runtime; return what it says, and its recording. */
+  async run(hand, call, order, text) {
+    const files = { [this.file]: text };
     const [ended, recordings] = await hand.call(call, { file: `${FOLDER}/${this.file}`, ...order }, { files });
-    return ended.lead ? this.run(hand, call, { ...order, lead: ended.lead }) : [ended, recordings];
+    return ended.lead ? this.run(hand, call, { ...order, lead: ended.lead }, text) : [ended, recordings];
   }
 
   /** Show the replay of a drive; return in a sentence how it ended. */
