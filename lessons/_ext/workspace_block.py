@@ -25,10 +25,7 @@ OFF = (
     "from a web server: opened as a file it can't start. <code>python3 -m http.server</code> in "
     "the site's folder is one."
 )
-NOT_HERE = (
-    "This exercise runs with the installed course only: it has several files, or needs libraries "
-    "that a page does not have."
-)
+NOT_HERE = "This exercise runs with the installed course, and not in this page."
 LEFT_OUT = (
     "This site was built without the workspace, in which the node can be written, driven and "
     "checked in the browser (<code>make workspace</code>)."
