@@ -12,6 +12,7 @@ import threading
 import traceback
 import types
 from collections.abc import Callable, Collection, Iterable, Iterator
+from concurrent.futures import thread as futures
 from pathlib import Path
 
 from . import deaths, hints, imports, randomness
@@ -140,8 +141,6 @@ def _ending(asked: Callable[[], bool], *, pools: bool) -> Iterator[None]:
     (After an exception Python waits for threads, too. Here one that comes before the program was
     `asked` to end is reported at once. And Python lets go the `pools` of all programs, or of none.)
     """
-    from concurrent.futures import thread as futures  # noqa: PLC0415  (with the kernel's locks)
-
     ended: BaseException | None = None
     try:
         yield
