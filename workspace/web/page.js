@@ -37,7 +37,7 @@ async function beExercise(block) {
   const [{ plan, machine }, { Exercise }] = all;
   const workspace = new Exercise(plan.exercises[block.dataset.exercise], plan.demos, machine);
   words.textContent = 'Write the node here, drive it and have it checked, in this '
-    + 'browser: nothing is installed, and nothing leaves this machine. The first visit fetches 13 MB.';
+    + 'browser: nothing is installed, and nothing leaves this machine. The first visit fetches 12 MB.';
   block.querySelector('.workspace-open').replaceChildren(
     el('button', { type: 'button', class: 'ws-main', onclick: () => workspace.open() }, 'Open the workspace'));
   follow((hash) => {

@@ -77,7 +77,7 @@ function forgetTheSite() {
 }
 
 async function load(manifest) {
-  say('Fetching Python, 13 MB the first time …');
+  say('Fetching Python, 12 MB the first time …');
   const names = Object.keys(manifest).filter((name) => /\.pack$|^pyodide\//.test(name));
   const files = Object.fromEntries(names.map((name) => [name, stored(name, manifest)]));
   Promise.all(Object.values(files)).catch(fail); // what waits for a file of Pyodide's would wait for ever

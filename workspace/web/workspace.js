@@ -35,6 +35,14 @@ function whyNot(what, threads) {
   return '';
 }
 
+let bundle; // of the editor, compressed when the page was built: plain servers compress nothing
+
+async function editorBundle() {
+  const { body } = await fetch(new URL('editor.js.pack', HERE));
+  const code = await new Response(body.pipeThrough(new DecompressionStream('gzip'))).arrayBuffer();
+  return import(URL.createObjectURL(new Blob([code], { type: 'text/javascript' })));
+}
+
 export class Workspace {
   /**
    * Make one: its `what` ("exercise"), the `file`, the `skeleton` that *Reset* brings back and its `origin`, the `shelf`
@@ -129,8 +137,8 @@ export class Workspace {
       this.shelf.text = this.isChanged ? this.editor.text : null;
     };
     try {
-      const { makeEditor } = await import(new URL('editor.js', HERE));
-      this.editor = makeEditor({ parent: this.code, text, label, onChange, keys: this.keys, words: this.words });
+      bundle ??= await editorBundle();
+      this.editor = bundle.makeEditor({ parent: this.code, text, label, onChange, keys: this.keys, words: this.words });
     } catch {
       this.editor = plainEditor(this.code, text, label, onChange);
     }
