@@ -16,6 +16,7 @@ WALL = ["--scenario", "demo_wall"]
 MADE = ROOT / "build" / "workspace" / "manifest.json"
 KEPT_BACK = {  # commands of the pages without a button, and why
     "bags": "it writes a bag",
+    "launch_files": "a launch file starts programs that are not on the page",
     "models": "a model in a file, and scikit-learn",
     "why": "the skeleton of exercise 1, which no page shows",
 }
