@@ -253,6 +253,7 @@ def run_trial(kernel: kernel_module.Kernel, epoch: int, wire: Wire) -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)  # background jobs ignore it
     trial = session.Session(wire)
     trial.kernel, kernel.world = kernel, trial
+    kernel.begin(0)  # anew: imports have read its clocks
     start = trial.start()
     trial.charge_compute = start.charge_compute
     os.environ.update(start.env)

@@ -62,18 +62,25 @@ def scan_features(scan: Scan) -> Floats:
     return found
 
 
-@lru_cache(maxsize=2048)
 def possible_features(scan: Scan) -> Floats:
     """Return all (k, 5) features that are accepted for a scan.
 
     A beam within 1° of a sector's edge may count on either side: for one on the edge, rounding
     decides, and some nodes count beams instead of angles. A row has NaN where a sector is blind.
-    Several checks look at the same scan, so the result is cached.
+    Several checks look at the same scan, and a bench repeats it, so the result is cached.
     """
-    layout = len(scan.ranges), scan.angle_min, scan.angle_increment
-    values = np.asarray(scan.ranges, dtype=float)[None, :]
-    limits = scan.range_min, scan.range_max
-    found = np.unique(_of_sectors(values, limits, *_possible_sectors(*layout)), axis=0)
+    limits, layout = (scan.range_min, scan.range_max), (scan.angle_min, scan.angle_increment)
+    return _possible_features(scan.ranges.tobytes(), limits, layout)
+
+
+@lru_cache(maxsize=2048)
+def _possible_features(
+    ranges: bytes, limits: tuple[float, float], layout: tuple[float, float]
+) -> Floats:
+    values = np.frombuffer(ranges, dtype=np.float32).astype(float)[None, :]
+    found = np.unique(
+        _of_sectors(values, limits, *_possible_sectors(values.shape[1], *layout)), axis=0
+    )
     found.flags.writeable = False
     return found
 

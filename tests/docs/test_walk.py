@@ -39,11 +39,14 @@ def run(copy: Path, command: str) -> subprocess.CompletedProcess[str]:
 
 
 def recipe(copy: Path, target: str) -> list[str]:
-    """Return the commands of a `make` target; make itself would install the copy."""
+    """Return the commands of a `make` target; make itself would install the copy.
+
+    Without the pitfalls: their nodes import the course as it is installed, which is no copy.
+    """
     text = (copy / "Makefile").read_text("utf-8")
     found = re.search(rf"(?m)^{target}:.*\n((?:\t.+\n)+)", text)
     assert found is not None
-    return [line.strip() for line in found[1].splitlines()]
+    return [line.strip() for line in found[1].splitlines() if "pitfalls" not in line]
 
 
 def git(copy: Path, *words: str) -> str:

@@ -18,9 +18,14 @@ from collections.abc import Callable
 from typing import Any
 
 import _time_machine
-import time_machine
 
 from .kernel import Kernel, VirtualThread
+
+_pytest: Any = sys.modules.setdefault("pytest", None)  # type: ignore[arg-type]
+import time_machine  # noqa: E402  (with pytest it would import that, for a fixture)
+
+if _pytest is None:
+    del sys.modules["pytest"]
 
 STEADY_START = 1_000 * 10**9  # [ns] monotonic clocks start here, as on a machine up for a while
 COARSE = {5: "wall", 6: "steady", 8: "wall", 9: "steady"}  # ids of Linux that `time` does not name

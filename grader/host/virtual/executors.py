@@ -26,7 +26,12 @@ from rclpy.client import Client
 from rclpy.clock_type import ClockType
 from rclpy.event_handler import EventHandler
 from rclpy.exceptions import InvalidHandle, NotInitializedException
-from rclpy.executors import ExternalShutdownException, TimeoutException, await_or_execute
+from rclpy.executors import (
+    ExternalShutdownException,
+    SingleThreadedExecutor,
+    TimeoutException,
+    await_or_execute,
+)
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.service import Service
 from rclpy.subscription import Subscription
@@ -147,28 +152,21 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
         self.__dict__.setdefault("_course_asked", []).append(entity)
         return True
 
-    def is_idle(self: Any, nodes: Any) -> bool:
-        """Return whether a look can't find anything."""
-        running = self._cb_iter is not None and self._cb_iter.gi_frame is not None
-        if running or self._is_shutdown or not all(task.done() for task, _, _ in self._tasks):
-            return False
-        return not any(
-            self.can_execute(entity)
-            for node in nodes
-            for kind in ("subscriptions", "timers", "clients", "services", "guards", "waitables")
-            for entity in getattr(node, kind)
-        )
-
     def look(self: Any, nodes: Any, condition: Any) -> Any:
         while True:
             if not self.context.ok() and not self._is_shutdown:
                 raise ExternalShutdownException  # a wait set can't be made any more
             if discovery.arrivals and (found := _arrived(self, nodes or self.get_nodes())):
                 return found
-            if not condition() and is_idle(self, nodes or self.get_nodes()):
-                return None
             asked: list[Any] = []
             self._course_asked = asked
+            if not condition() and _is_free(self):
+                ends = _may_be_ready(self, nodes or self.get_nodes())
+                if not ends:
+                    return None
+                if len(ends) == 1 and (found := _alone(self, *ends[0])):
+                    tasks.is_new(kernel, found[0])
+                    return found
             try:
                 found = wait(self, 0, nodes, condition)
             except TimeoutException:
@@ -222,6 +220,42 @@ def _is_due(timer: Any) -> bool:
         return bool(timer.is_ready())
     except InvalidHandle:
         return True  # rclpy says so
+
+
+def _is_free(executor: Any) -> bool:
+    """Return whether an executor has nothing left of an earlier look, and no task."""
+    running = executor._cb_iter is not None and executor._cb_iter.gi_frame is not None
+    done = all(task.done() for task, _, _ in executor._tasks)
+    return done and not running and not executor._is_shutdown
+
+
+def _may_be_ready(executor: Any, nodes: Any) -> list[tuple[Any, Any]]:
+    """Return the ends that may have work, each with its node."""
+    return [
+        (entity, node)
+        for node in nodes
+        for kind in ("subscriptions", "timers", "clients", "services", "guards", "waitables")
+        for entity in getattr(node, kind)
+        if executor.can_execute(entity)
+    ]
+
+
+def _alone(executor: Any, entity: Any, node: Any) -> Any:
+    """Return the work of the only end that may have any, as a look does; None: ask a wait set.
+
+    Whether a message has come, only taking it tells. So it is taken here, but not for an executor
+    with threads: others may run before its callback, and a newer message replace it.
+    """
+    take = executor._take_timer
+    if not isinstance(entity, Timer):
+        at_once = type(executor) is SingleThreadedExecutor and isinstance(entity, Subscription)
+        taken = executor._take_subscription(entity) if at_once else None
+        if taken is None:
+            return None
+        take = lambda _: taken  # noqa: E731
+    with executor._tasks_lock:
+        executor._tasks.clear()  # they are done
+    return executor._make_handler(entity, node, take), entity, node
 
 
 def _name_of(node: Any) -> str:

@@ -21,6 +21,7 @@ class Computes(Echo):
         super().on_scan(scan)
 rclpy.init(); rclpy.spin(Computes())
 """
+LEAST = 0.299999  # [s] of the 0.3: a clock read before it may be ahead by 1 µs
 SILENT = {"before": "", "after": ""}
 MEASURES = {"before": "began = time.perf_counter()", "after": "print(time.perf_counter() - began)"}
 ROS_TIME = {
@@ -65,9 +66,9 @@ def test_computing_costs_time_if_charged(
     assert len(recording.times("/scan")) == 10
     assert len(t) in (2, 3)
     first, *between = np.diff(t, prepend=recording.times("/scan")[0]).round(6)
-    assert first >= 0.3
-    assert all(span >= 0.3 for span in between)
-    assert all(round(float(line.text), 6) >= 0.3 for line in recording.log)
+    assert first >= LEAST
+    assert all(span >= LEAST for span in between)
+    assert all(round(float(line.text), 6) >= LEAST for line in recording.log)
     assert len(recording.log) >= (0 if reads is SILENT else 2)
 
 

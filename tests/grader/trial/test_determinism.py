@@ -115,9 +115,11 @@ def test_the_reference_does_the_same(forkserver: ForkServer) -> None:
     assert assert_one(Submission(REFERENCE), scenario, forkserver, 4) > 100
 
 
-@pytest.mark.long
-def test_a_crowd_of_threads_does_the_same(tmp_path: Path, forkserver: ForkServer) -> None:
-    """30 threads, timers, services and asyncio."""
+@pytest.mark.parametrize("runs", [2, pytest.param(20, marks=pytest.mark.long)])
+def test_a_crowd_of_threads_does_the_same(
+    runs: int, tmp_path: Path, forkserver: ForkServer
+) -> None:
+    """30 threads, two pools of them, timers, services and asyncio."""
     file = tmp_path / "crowd.py"
     file.write_text(PREAMBLE + CROWD)
-    assert assert_one(Submission(file), short(1.0), forkserver, 20) > 500
+    assert assert_one(Submission(file), short(1.0), forkserver, runs) > 500
