@@ -24,11 +24,10 @@ def to_pages(_: Sphinx, name: str, source: list[str]) -> None:
 
 
 def to_skeletons(app: Sphinx, included: Path, _name: str, text: list[str]) -> None:
-    """Rewrite the links of an exercise's README to its files, the glossary and the lesson."""
+    """Rewrite the links of an exercise's README to its Python files, and to the glossary."""
     if included.name != "README.md":
         return
     text[0] = re.sub(r"\[([^\]]+)\]\(\.\./glossary\.md\)", r"{term}`\1`", text[0])
-    text[0] = text[0].replace("](../../lessons/", "](/")
     name = included.parent.name
     if name in app.config.course_left_out.split(","):
         text[0] = re.sub(r"\[([^\]]*)\]\(\w+\.py\)", r"\1", text[0])
