@@ -67,6 +67,16 @@ def test_what_follows_waits_for_a_guess(open_file: Open, site: Path) -> None:
     assert page.evaluate(colour) != before
 
 
+def test_no_pitfall_marks_its_line_before_a_guess(open_file: Open, site: Path) -> None:
+    for file in (LESSONS / "pitfalls").glob("*.md"):
+        if file.stem != "index":
+            page = open_file(site / "pitfalls" / f"{file.stem}.html", may_complain=True)
+            colours = page.locator(".hll").evaluate_all(
+                "lines => lines.map(line => getComputedStyle(line).backgroundColor)"
+            )
+            assert set(colours) == {"rgba(0, 0, 0, 0)"}, file.name
+
+
 def test_the_lines_asked_for_are_those_marked() -> None:
     for file in (LESSONS / "pitfalls").glob("*.md"):
         text = file.read_text("utf-8")

@@ -146,6 +146,12 @@ def _said(pattern: str) -> int:
     return int(said[1])
 
 
+def test_the_notebooks_page_lists_each_of_them() -> None:
+    page = (ROOT / "notebooks/README.md").read_text("utf-8")
+    named = re.findall(r"(?m)^\| `(\w+)` \|", page)
+    assert named == sorted(folder.name for folder in (ROOT / "notebooks/text").iterdir())
+
+
 def test_the_proof_is_as_large_as_the_readme_says() -> None:
     count = sum(len(mutants(exercise)) for exercise in all_exercises())
     assert _said(r"More than (\d+) deliberately wrong solutions") == (count - 1) // 100 * 100

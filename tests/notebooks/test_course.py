@@ -136,6 +136,19 @@ def test_the_release_gives_nothing_away(course: Path) -> None:
 
 
 @pytest.mark.long
+def test_a_queues_ages_are_those_that_the_lesson_prints(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (cell,) = [cell.source for cell in stored("05_real_time").cells if "def ages(" in cell.source]
+    names: dict[str, Any] = {}
+    exec(cell.partition("\ntry:")[0], names)
+    lesson = (ROOT / "lessons/real_time.md").read_text("utf-8")
+    for depth, model_ms in ((10, 200), (5, 200), (1, 200), (1, 230)):
+        names["ages"](depth, model_ms)
+        printed = capsys.readouterr().out.partition("from ")[2]
+        assert f"ten scans, {printed}" in lesson, (depth, model_ms)
+
+
 def test_the_quiz_asks_what_the_lesson_asks(course: Path) -> None:
     quiz = (ROOT / "lessons" / "quiz.md").read_text("utf-8")
     given = released(course, "07_quiz")["cells"]
