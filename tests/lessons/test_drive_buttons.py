@@ -18,6 +18,7 @@ KEPT_BACK = {  # commands of the pages without a button, and why
     "bags": "it writes a bag",
     "launch_files": "a launch file starts programs that are not on the page",
     "models": "a model in a file, and scikit-learn",
+    "parameters": "its scenario belongs to exercise 10, which has no workspace",
     "why": "the skeleton of exercise 1, which no page shows",
 }
 
