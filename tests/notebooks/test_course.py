@@ -135,7 +135,6 @@ def test_the_release_gives_nothing_away(course: Path) -> None:
     assert "Mark scheme" in json.dumps(stored("07_quiz"))
 
 
-@pytest.mark.long
 def test_a_queues_ages_are_those_that_the_lesson_prints(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -149,6 +148,7 @@ def test_a_queues_ages_are_those_that_the_lesson_prints(
         assert f"ten scans, {printed}" in lesson, (depth, model_ms)
 
 
+@pytest.mark.long
 def test_the_quiz_asks_what_the_lesson_asks(course: Path) -> None:
     quiz = (ROOT / "lessons" / "quiz.md").read_text("utf-8")
     given = released(course, "07_quiz")["cells"]

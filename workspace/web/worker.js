@@ -78,7 +78,7 @@ function forgetTheSite() {
 
 async function load(manifest) {
   say('Fetching Python, 12 MB the first time …');
-  const names = Object.keys(manifest).filter((name) => /\.pack$|^pyodide\//.test(name));
+  const names = Object.keys(manifest).filter((name) => /^(course|packages)\.pack$|^pyodide\//.test(name));
   const files = Object.fromEntries(names.map((name) => [name, stored(name, manifest)]));
   Promise.all(Object.values(files)).catch(fail); // what waits for a file of Pyodide's would wait for ever
   importScripts(await script(await files['pyodide/pyodide.js']), await script(inflated(await files['pyodide/pyodide.asm.js.pack'])));

@@ -43,6 +43,8 @@ def cause_of_answers(exercise: Exercise, failed: Sequence[Failed], trials: ByNam
         return None
     if text := publishers_of(recording):
         return Cause.of(exercise, text, failed, all_of_it=True, own_hint=False)
+    if failed[0].kind == "field":  # the core passes: not the answers' law is wrong
+        return None
     try:
         cases = oracle_of(exercise)(recording)
     except Exception:  # what the node sent can't be read: the check says so

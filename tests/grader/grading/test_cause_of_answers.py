@@ -8,7 +8,8 @@ from node_runs import RunNode
 from grader.checks.case import Case, exactly
 from grader.course.exercises import SOLUTIONS, find_exercise
 from grader.exercises import oracle_of
-from grader.grading.causes.answers import publishers_of, seen_in
+from grader.grading.causes.answers import cause_of_answers, publishers_of, seen_in
+from grader.grading.plugin import CheckResult
 from grader.recording import Recording
 from sim.scenario_files import load_scenario
 
@@ -66,6 +67,15 @@ def test_a_stateful_slip_is_seen_in_the_answers(run_node: RunNode, body: str, sa
     recording = run_node(NODE.replace("BODY", body), load_scenario(ZONES))
     text = _seen(recording)
     assert said in text if said else not text
+
+
+def test_where_only_the_field_fails_the_answers_are_not_blamed(run_node: RunNode) -> None:
+    late = next(iter(MISTAKES))
+    recording = run_node(NODE.replace("BODY", late), load_scenario(ZONES))
+    for kind in ("core", "field"):
+        failed = CheckResult("a", "A.", kind, 0, 0, "fail", scenario=ZONES)
+        cause = cause_of_answers(EXERCISE, [failed], {ZONES: recording})
+        assert (cause is not None) == (kind == "core")
 
 
 def _seen(recording: Recording) -> str:

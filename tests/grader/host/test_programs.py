@@ -11,8 +11,10 @@ from grader.course.submission import Package, Program, Submission
 from grader.link.hosts import ForkServer
 from grader.recording import Recording, ended_of
 from grader.trial.virtual_time import run_trial
+from sim.messages import EPOCH_NS
 from sim.scenario import ProgramSpec
 
+READS = "hypothesis.internal.observability"  # reads a clock when it is imported
 SERVER = """
 from std_srvs.srv import Trigger
 class Server(Node):
@@ -75,6 +77,24 @@ def test_clients_have_their_own_names_and_parameters(
     assert {e.node for e in recording.endpoints} == {"/server", "/left_client", "/right_client"}
     for role in ("left", "right"):
         np.testing.assert_allclose(recording.times(f"/{role}/answer"), np.arange(1, 30) / 10)
+
+
+def test_what_imports_read_of_clocks_is_not_the_programs(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    source = PREAMBLE + SERVER.replace("super().__init__('server')", "print(time.time_ns())\n"
+                                       "        super().__init__('server')")  # fmt: skip
+    for name in ("server.py", "client.py"):
+        (tmp_path / name).write_text(source)
+    scenario = msgspec.structs.replace(
+        short(0.5), program=(ProgramSpec("server.py"), ProgramSpec("client.py"))
+    )
+    submission = Submission(tmp_path / "server.py", others=(tmp_path / "client.py",))
+    with ForkServer(EPOCH_NS, libraries=(READS,)) as other:
+        runs = [run_trial(submission, scenario, each) for each in (forkserver, other)]
+    first, second = ([line.text for line in each.log] for each in runs)
+    assert len(first) == 2
+    assert first == second
 
 
 def test_a_server_can_be_killed_and_come_back(forkserver: ForkServer, tmp_path: Path) -> None:

@@ -11,9 +11,34 @@ native.WaitSet = lambda *counts: made.append(counts) or real(*counts)
 
 class Counting(Echo):
     def on_scan(self, scan):
-        print(len(made))
+        print(len(made), len(self.executor._tasks))
         super().on_scan(scan)
 rclpy.init(); rclpy.spin(Counting())
+"""
+LATER = """
+class Later(SingleThreadedExecutor):
+    def _spin_once_impl(self, timeout_sec=None, wait_condition=lambda: False):
+        handler, _, _ = self.wait_for_ready_callbacks(timeout_sec, None, wait_condition)
+        time.sleep(0.25)
+        handler()
+class Newest(Node):
+    def __init__(self):
+        super().__init__('newest')
+        self.create_subscription(LaserScan, '/scan', self.on_scan, 1)
+    def on_scan(self, scan):
+        stamp = rclpy.time.Time.from_msg(scan.header.stamp)
+        print((self.get_clock().now() - stamp).nanoseconds / 1e9)
+rclpy.init(); executor = Later(); executor.add_node(Newest()); executor.spin()
+"""
+DONE = """
+from rclpy.task import Future
+rclpy.init(); node = Node('waits')
+for _ in range(3):
+    future, begin = Future(), time.monotonic()
+    threading.Thread(target=lambda: (time.sleep(0.1), future.set_result(1))).start()
+    rclpy.spin_until_future_complete(node, future)
+    print(time.monotonic() - begin)
+rclpy.spin(node)
 """
 # Each prints "came" for what is sent in another way, while its end has been found empty.
 WAYS = {
@@ -80,9 +105,22 @@ WAYS = {
 
 def test_a_message_that_comes_alone_costs_no_wait_set(run_node: RunNode) -> None:
     recording = run_node(COUNTED, short(2.0))
-    counts = [int(line.text) for line in recording.log]
+    counts, tasks = zip(*(map(int, line.text.split()) for line in recording.log), strict=True)
     assert len(counts) == len(recording.delivered) > 15
     assert counts[-1] == counts[5]
+    assert set(tasks[5:]) == {1}
+
+
+def test_an_executor_that_waits_before_a_callback_takes_the_newest(run_node: RunNode) -> None:
+    ages = [float(line.text) for line in run_node(LATER, short(2.0)).log]
+    assert len(ages) >= 3
+    assert max(ages) < 0.1  # the lidar's period
+
+
+def test_who_waits_for_a_future_goes_on_at_once(run_node: RunNode) -> None:
+    waited = [float(line.text) for line in run_node(DONE, short(1.0)).log]
+    assert len(waited) == 3
+    assert max(waited) < 0.101
 
 
 @pytest.mark.parametrize("way", WAYS)

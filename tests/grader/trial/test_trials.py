@@ -269,10 +269,12 @@ def test_a_client_that_hangs_leaves_the_server_its_points(
         text = text.replace("self.request.add_done_callback(self.answer_callback)", waits)
         (tmp_path / file).write_text(text, "utf-8")
     first, *others = exercise.files
-    right = {"client_wiring": "fail", "server_wiring": "pass", "answers": "pass"}
-    submission = find_submission(tmp_path, first, others)
-    grading = grade_submission(exercise, submission, forkserver, file="x", only=right)
-    assert {each.id: each.outcome for each in grading.checks if each.id in right} == right
+    grading = grade_submission(
+        exercise, find_submission(tmp_path, first, others), forkserver, file="x"
+    )
+    outcomes = {check.id: check.outcome for check in grading.checks}
+    assert outcomes["client_wiring"] == "fail"
+    assert (outcomes["server_wiring"], outcomes["answers"]) == ("pass", "pass")
 
 
 def test_a_node_that_is_slow_is_not_run_by_the_clock(forkserver: ForkServer) -> None:
