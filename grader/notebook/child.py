@@ -13,12 +13,12 @@ import tempfile
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import msgspec
 
+from grader.course.exercises import ROOT
 from grader.errors import GraderError
-from grader.link.hosts import ROOT
 from grader.link.scratch import sweep
 from grader.notebook.orders import Answer, Order, Progressed, Warm
 from grader.notebook.show import BEAT
@@ -194,4 +194,12 @@ def environment() -> dict[str, str]:
     }
 
 
-JUDGE = Judge()
+def _judge() -> Any:
+    if sys.platform != "emscripten":
+        return Judge()
+    from grader.notebook import page  # noqa: PLC0415  (in a browser there are no processes)
+
+    return page.Judge()
+
+
+JUDGE: Judge = _judge()

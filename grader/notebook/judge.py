@@ -8,29 +8,26 @@ from __future__ import annotations
 
 import contextlib
 import io
-import itertools
 import os
 import queue
 import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 import msgspec
-import numpy as np
-from rich.console import Console
 
 from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
 from grader.drive import arguments_of, drive_node, print_summary, scenario_for, unpacked
 from grader.errors import GraderError, InputError
-from grader.grading.attempts import since_last
-from grader.grading.grading import Grading, grade_submission
+from grader.grading.grading import grade_submission
 from grader.link.launcher import Launcher
 from grader.link.pool import ForkServerPool
+from grader.notebook.answers import graded
 from grader.notebook.orders import (
     Answer,
     Drive,
@@ -43,14 +40,9 @@ from grader.notebook.orders import (
     Progressed,
     Warm,
 )
-from grader.recording import Recording
-from grader.report.page import embedded_payload, json_text, page_html, page_payload
-from grader.report.terminal import render_terminal
+from grader.report.page import page_html, page_payload
 
 GRACE = 5.0  # [s] for an interrupted order to clean up
-WIDTH = 100  # [characters] of the tables
-MAX_REPLAYS = 400_000  # [characters] of the replays that a notebook stores
-MIN_MOTION = 0.2  # [m] that make a drive worth seeing
 
 Send = Callable[[Answer], None]
 
@@ -145,46 +137,7 @@ def _grade(order: Grade, forkservers: ForkServerPool, send: Send) -> Graded:
         only=order.only,
         on_progress=lambda step: send(Progressed(*step)),
     )
-    result, changed = grading.as_dict(), since_last(grading, path)
-    console = Console(file=io.StringIO(), width=WIDTH, color_system=None, legacy_windows=False)
-    with console.capture() as said:
-        render_terminal(result, console, changed)
-    runs = worth_seeing(grading)
-    first = (runs[0].scenario.title or runs[0].name) if runs else ""
-    page = _page(result["checks"], runs, exercise.title)
-    return Graded(json_text(result), said.get(), page, first, changed)
-
-
-def worth_seeing(grading: Grading) -> list[Recording]:
-    """Return the recordings to show: those with failures, the first failure first; then drives.
-
-    Runs in which nothing failed and the robot hardly moved are left out.
-    """
-    failed = [c.scenario for c in grading.checks if c.outcome == "fail" and c.scenario is not None]
-    timed = [
-        c.scenario
-        for c in grading.checks
-        if c.outcome == "fail" and c.scenario is not None and c.time is not None
-    ]
-    order = list(dict.fromkeys([*timed[:1], *failed]))
-    by_name = {recording.name: recording for recording in grading.recordings}
-    shown = [by_name[name] for name in order if name in by_name]
-    return shown + [r for r in grading.recordings if r.name not in order and _moved(r)]
-
-
-def _moved(recording: Recording) -> bool:
-    x, y = recording.truth.x, recording.truth.y
-    return len(x) > 0 and float(max(np.ptp(x), np.ptp(y))) > MIN_MOTION
-
-
-def _page(checks: Sequence[Any], runs: Sequence[Recording], title: str) -> str:
-    """Return a page with as many replays as fit in a notebook, at least one."""
-    if not runs:
-        return ""
-    payload = embedded_payload(checks, runs, title)
-    lengths = itertools.accumulate(len(json_text(replay)) for replay in payload["replays"])
-    count = sum(length <= MAX_REPLAYS for length in lengths)
-    return page_html({**payload, "replays": payload["replays"][: max(1, count)]})
+    return graded(grading, path)
 
 
 def _sender(file: BinaryIO) -> Send:

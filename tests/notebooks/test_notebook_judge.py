@@ -13,7 +13,7 @@ import pytest
 from grader.course.exercises import SOLUTIONS
 from grader.errors import GraderError
 from grader.link.pool import ForkServerPool
-from grader.notebook import judge
+from grader.notebook import answers
 from grader.notebook.judge import carry_out
 from grader.notebook.orders import (
     Answer,
@@ -82,7 +82,7 @@ def test_a_notebook_carries_the_first_failure_first_and_not_more_than_it_can(
     with_moments = [bool(replay["moments"]) for replay in shown]
     assert with_moments[0] and with_moments == sorted(with_moments, reverse=True)
 
-    monkeypatch.setattr(judge, "MAX_REPLAYS", 1)
+    monkeypatch.setattr(answers, "MAX_REPLAYS", 1)
     (only,) = replays(graded(carry_out(order, forkservers, lambda _: None)).page)
     assert (len(shown) > 1, only["scenario"]) == (True, shown[0]["scenario"])
 
