@@ -12,7 +12,7 @@ SITE ?=
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-field test-long test-all test-deep lint format prove mutate conform wheel attacks site workspace notebooks students bench profile skeletons goldens constraints clean
+.PHONY: help setup grade test test-field test-long test-all test-deep lint format prove mutate conform wheel attacks site workspace lite notebooks students bench profile skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -90,6 +90,7 @@ site: $(VENV)/.dev ## build the lesson as a site into build/site
 	$(BIN)/python -m grader.authoring.pitfalls build/site/pitfalls/replays
 	$(BIN)/python -m grader.authoring.lesson_replays build/site/replays
 	@test -f build/workspace/manifest.json || echo "built without the workspace: make workspace"
+	@test -f build/lite/index.html || echo "built without notebooks in the browser: make lite"
 	@echo "open build/site/index.html"
 
 # With node and npm. A Python 3.12 compiles faster than the page's own: PYTHON312=python3.12
@@ -97,6 +98,9 @@ PYTHON312 ?=
 workspace: $(VENV)/.dev ## fetch and build what runs exercises in the site's pages (docs/page.md)
 	mkdir -p build/packages
 	$(BIN)/python -m workspace.build build/workspace build/packages $(PYTHON312)
+
+lite: workspace ## the notebooks for the browser, with JupyterLite, on top of the workspace
+	$(BIN)/python -m workspace.lite build/lite build/packages
 
 notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with seven students in all exercises
 	COURSE_NOTEBOOKS=full $(PYTEST) tests/notebooks \

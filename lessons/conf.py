@@ -20,6 +20,7 @@ extensions = [
     "course_links",
     "accessible",
     "acts",
+    "notebook_here",
     "workspace_block",
     "drive_here",
 ]

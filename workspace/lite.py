@@ -65,7 +65,7 @@ def _lite(work: Path) -> None:
     }
     config = {
         "appName": "Bridging Python agents with rclpy",
-        "exposeAppInBrowser": True,
+        "exposeAppInBrowser": True,  # to extensions and tests: `jupyterapp`
         "litePluginSettings": {"@jupyterlite/pyodide-kernel-extension:kernel": settings},
     }
     whole = {"jupyter-lite-schema-version": 0, "jupyter-config-data": config}

@@ -26,8 +26,12 @@ from grader.trial.progress import TRIAL, OnProgress, Step
 from grader.trial.trials import Trials
 
 FOLDER = "/home/reader"  # of the node, in the worker
-PATIENCE = 60.0  # [s] without a word of a trial
+PATIENCE = 30.0  # [s] without a word of a trial
 INSTALLED = "take the installed course"
+NO_WAITING = (
+    "the notebook's Python has to wait for the node's, which takes Chrome or Edge 137 or later; or "
+    "install the course"
+)
 SEARCH = f"a search can't be had in the browser; {INSTALLED}"
 FIELD = f"field checks can't be had in the browser; {INSTALLED}"
 SILENT = (
@@ -55,6 +59,10 @@ class Judge:
         beat: Callable[[], None] = lambda: None,
     ) -> Answer:
         """Carry out an order; meanwhile `beat` is called whenever the worker has said something."""
+        from pyodide.ffi import can_run_sync  # noqa: PLC0415
+
+        if not can_run_sync():
+            return Problem(NO_WAITING)
         self.warm()
         assert self._worker is not None
         self._worker.beat = beat

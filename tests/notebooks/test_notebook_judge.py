@@ -13,7 +13,7 @@ import pytest
 from grader.course.exercises import SOLUTIONS
 from grader.errors import GraderError
 from grader.link.pool import ForkServerPool
-from grader.notebook import answers
+from grader.notebook import answers, judge
 from grader.notebook.judge import carry_out
 from grader.notebook.orders import (
     Answer,

@@ -1,0 +1,93 @@
+"""The notebooks in JupyterLite, in a real browser: the built site, every other host leads nowhere.
+
+The cells are those that students get; what is written into them is driven by the page's runtime and
+judged in the notebook's kernel. Without `make lite` these tests are skipped.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from served_site import SLOW
+
+from grader.authoring.mutants import find_mutant
+from grader.course.exercises import ROOT, find_exercise
+from grader.course.submission import find_submission
+from grader.grading.grading import grade_submission
+from grader.link.hosts import ForkServer
+
+MADE = ROOT / "build" / "lite" / "index.html"
+EXERCISES = {  # notebook: exercise, mutant
+    "01_loop": ("obstacle_avoidance", "narrow_cone"),
+    "03_goal": ("goal_seeking", "yaw_in_degrees"),
+    "04_memory": ("trend_memory", "whole_circle"),
+}
+# Write cells (by how they begin; "" for one more at the end), run all; whether none runs any more
+RUN = """(texts) => {
+  const { content } = jupyterapp.shell.currentWidget;
+  const cells = Array.from(content.model.cells);
+  for (const [start, text] of Object.entries(texts)) {
+    const cell = cells.find((each) => each.sharedModel.getSource().startsWith(start));
+    if (start) cell.sharedModel.setSource(text);
+    else content.model.sharedModel.addCell({ cell_type: 'code', source: text });
+  }
+  jupyterapp.commands.execute('notebook:run-all-cells');
+}"""
+OUTPUTS = """() => Array.from(jupyterapp.shell.currentWidget.content.model.cells)
+  .filter(({ type }) => type === 'code').map((cell) => cell.outputs.toJSON())"""
+SAYS = """
+import json
+report = check("{}")
+print("SAID", json.dumps([[c["id"], c["outcome"], c["message"]] for c in report.checks]))
+"""
+
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(
+        not MADE.is_file(), reason="the site has no notebooks in the browser here: run `make lite`"
+    ),
+]
+
+
+def said_at_the_end(page: Any, texts: dict[str, str]) -> str:
+    """Run all cells of the notebook; return what its last one has printed."""
+    page.locator(".jp-Notebook .jp-Cell").first.wait_for()
+    page.wait_for_function("globalThis.jupyterapp?.shell.currentWidget?.sessionContext.isReady")
+    page.evaluate(RUN, texts)
+    until = time.monotonic() + SLOW / 1000
+    while True:
+        outputs = page.evaluate(OUTPUTS)
+        failed = [out for cell in outputs for out in cell if out["output_type"] == "error"]
+        assert failed == [] and time.monotonic() < until
+        _, found, said = "".join(out.get("text", "") for out in outputs[-1]).partition("SAID ")
+        if found:
+            return said
+        page.wait_for_timeout(500)
+
+
+@pytest.mark.parametrize("notebook", EXERCISES)
+@pytest.mark.parametrize("right", [True, False])
+def test_a_notebook_runs_in_the_browser_and_judges_as_course_grade(
+    open_served: Any, forkserver: ForkServer, tmp_path: Path, notebook: str, right: bool
+) -> None:
+    slug, mutant = EXERCISES[notebook]
+    exercise = find_exercise(slug)
+    file = tmp_path / exercise.files[0]
+    reference = (exercise.solutions / file.name).read_text()
+    file.write_text(reference if right else find_mutant(exercise, mutant).text)
+    graded = grade_submission(exercise, find_submission(file), forkserver, file=file.name)
+    assert (graded.score == 100) == right
+
+    page = open_served(f"lite/notebooks/index.html?path={notebook}.ipynb")
+    magic = f"%%node {file.name}"
+    cells = {magic: f"{magic}\n{file.read_text()}", "": SAYS.format(slug)}
+    said = said_at_the_end(page, cells)
+
+    measured = "callback_time"  # by the wall clock
+    found = [each for each in json.loads(said) if each[0] != measured]
+    assert found == [[c.id, c.outcome, c.message] for c in graded.checks if c.id != measured]
+    assert page.locator(".jp-OutputArea-output iframe").count() > 0  # replays
