@@ -30,11 +30,10 @@ from grader.link.link import Conversation, Link, Result
 from grader.link.log import LogLine
 from grader.link.output import MAX_OUTPUT, Output, in_order
 from grader.link.practice import PRACTICE
-from grader.link.settings import NO_GPU, SAME_RUNS
+from grader.link.settings import IN_BROWSER, NO_GPU, SAME_RUNS
 from grader.link.workplace import Workplace
 
 TELL_EVERY = 0.5  # [s]
-ISOLATION = "the browser: the page reaches nothing but itself"
 
 
 class StartEarlier(Exception):
@@ -82,7 +81,7 @@ class InProcess:
     `stacks` are for programs with threads.
     """
 
-    isolation = ISOLATION
+    isolation = IN_BROWSER
     practice = PRACTICE
 
     def __init__(

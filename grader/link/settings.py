@@ -19,3 +19,5 @@ SAME_RUNS = {
     "LOKY_MAX_CPU_COUNT": "1",  # scikit-learn's n_jobs=-1
     "RCUTILS_CONSOLE_OUTPUT_FORMAT": "[{severity}] [{name}]: {message}",
 }
+
+IN_BROWSER = "the browser: the page reaches nothing but itself"  # isolation

@@ -17,8 +17,8 @@ from typing import Any
 from grader.course.exercises import Exercise, find_exercise
 from grader.errors import GraderError, InputError
 from grader.grading.grading import grade
-from grader.link.in_process import ISOLATION
 from grader.link.practice import PRACTICE
+from grader.link.settings import IN_BROWSER
 from grader.notebook.answers import graded
 from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Order, Problem, Progressed
 from grader.recording import Recording
@@ -190,6 +190,7 @@ class WorkerTrials(Trials):
         self._on_progress = on_progress
         self._planned: dict[str, None] = {}
         self._made: dict[str, Recording] = {}
+        self.stopped: GraderError | InputError | None = None  # by this: no check is worth its words
 
     def prepare(self, scenarios: Sequence[str]) -> None:
         """Count the trials that will be needed."""
@@ -206,7 +207,11 @@ class WorkerTrials(Trials):
                 "scenario": scenario,
                 "interrupt": not self._made,
             }
-            ended, made = self._worker.run("trial", order, self._files)
+            try:
+                ended, made = self._worker.run("trial", order, self._files)
+            except (GraderError, InputError) as error:
+                self.stopped = error
+                raise
             self._made[scenario], _ = pickle.loads(made[f"{scenario}.pickle"])
             self._tell(scenario, ended["kind"])
         return self._made[scenario]
@@ -250,15 +255,18 @@ def _grade(
     def tell(step: Step) -> None:
         on_progress(Progressed(*step))
 
+    trials = WorkerTrials(worker, exercise, path, tell)
     grading = grade(
         exercise,
-        WorkerTrials(worker, exercise, path, tell),
+        trials,
         file=order.shown,
         only=order.only,
-        isolation=ISOLATION,
+        isolation=IN_BROWSER,
         practice=PRACTICE,
         on_progress=tell,
     )
+    if trials.stopped is not None:
+        raise trials.stopped
     return graded(grading, path)
 
 

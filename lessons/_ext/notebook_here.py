@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 MADE = ROOT / "build" / "lite"
 LINK = (
     '<p class="notebook-here">Or <a href="../../lite/notebooks/index.html?path={}">in a notebook'
-    "</a>, which runs in this browser, too. Its first start fetches 25 MB.</p>"
+    "</a>, which runs in this browser, too. Its first start fetches 50 MB.</p>"
 )
 
 
