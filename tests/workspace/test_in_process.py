@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.authoring.mutants import find_mutant
+from grader.authoring.mutants import find_mutant, submission_of
 from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
@@ -22,6 +22,8 @@ TOLD = ("outcome", "message", "expected", "actual", "help", "time", "scenario", 
 GRADED = [
     ("1", None), ("1", "narrow_cone"), ("3", None),
     ("4", None), ("4", "reliable_only"), ("7", None),
+    ("5", None), ("6", None), ("6", "dies_of_the_other_exceptions"), ("6", "constructor_waits"),
+    ("9", None),
 ]  # fmt: skip
 
 
@@ -33,9 +35,10 @@ def test_the_page_judges_as_course_grade_does(
     exercise = find_exercise(name)
     node = tmp_path / "node" / exercise.files[0]
     node.parent.mkdir()
-    reference = exercise.solutions / node.name
-    node.write_text(find_mutant(exercise, mutant).text if mutant else reference.read_text("utf-8"))
-    expected = grade_submission(exercise, find_submission(node), forkserver, file=node.name)
+    for name, text in submission_of(exercise, mutant and find_mutant(exercise, mutant)).items():
+        node.with_name(name).write_text(text, "utf-8")
+    submission = find_submission(node, *exercise.files[:1], exercise.files[1:])
+    expected = grade_submission(exercise, submission, forkserver, file=node.name)
     order = {
         "exercise": exercise.slug,
         "file": str(node),
