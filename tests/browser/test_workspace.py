@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from served_site import SLOW, served, settle, type_in, typed
 
-from grader.authoring.mutants import find_mutant
+from grader.authoring.mutants import find_mutant, submission_of
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
@@ -25,6 +25,7 @@ TYPED = {  # in each exercise, after the reference
     "goal_seeking": ("yaw_in_degrees", "ignores_without_a_word", "no_wrap"),
     "trend_memory": ("whole_circle", "dies_of_equal_stamps", "time_of_arrival"),
     "slow_model": ("one_group_for_all", "thread_for_each_scan", "overlapping_inferences"),
+    "model_server": ("dies_of_the_other_exceptions", "age_since_arrival", "constructor_waits"),
     "safety_supervisor": ("raises_on_nan", "no_obstacle", "silent_when_stale"),
     "latency_monitor": ("all_calls_ever", "dies_without_a_model", "missed_ever"),
 }
@@ -53,15 +54,18 @@ def open_workspace(open_served: Any) -> Any:
 
     def open_(hash_: str = "#workspace", slug: str = SLUG, script: str = "", **options: Any) -> Any:
         page = open_served(f"exercises/{slug}/README.html{hash_}", script, **options)
-        page.locator(".cm-content").wait_for()
+        page.locator(".cm-content:visible").wait_for()
         return page
 
     return open_
 
 
-def check(page: Any, text: str) -> str:
+def check(page: Any, *texts: str) -> str:
     settle(page)
-    type_in(page, text)
+    for number, text in enumerate(texts):
+        if texts[1:]:
+            page.locator(".ws-files button").nth(number).click()
+        type_in(page, text)
     page.keyboard.press("Control+Shift+Enter")
     return settle(page)
 
@@ -71,14 +75,16 @@ def test_nodes_that_are_typed_in_get_the_verdicts_of_course_grade(
     open_workspace: Any, forkserver: ForkServer, tmp_path: Path, slug: str
 ) -> None:
     exercise = find_exercise(slug)
-    file = tmp_path / exercise.files[0]
+    first, *others = exercise.files
     page = open_workspace(slug=slug)
     different = {}
     for mutant in (None, *TYPED[slug]):
-        reference = exercise.solutions / file.name
-        file.write_text(find_mutant(exercise, mutant).text if mutant else reference.read_text())
-        graded = grade_submission(exercise, find_submission(file), forkserver, file=file.name)
-        assert "points" in check(page, file.read_text())
+        files = submission_of(exercise, find_mutant(exercise, mutant) if mutant else None)
+        for name, text in files.items():
+            (tmp_path / name).write_text(text, "utf-8")
+        submission = find_submission(tmp_path, first, others)
+        graded = grade_submission(exercise, submission, forkserver, file=first)
+        assert "points" in check(page, *files.values())
         found = dict(page.locator(".ws-list li").evaluate_all(SAID))
         said = page.locator(".ws-cause").all_inner_texts()
         wanted = {c.id: [c.outcome, c.message] for c in graded.checks}
@@ -304,3 +310,39 @@ def test_what_is_typed_during_a_check_is_not_checked(open_workspace: Any) -> Non
     type_in(page, "# changed\n")
     assert settle(page) == "100 of 100 points."
     assert page.locator(".ws-stale").is_visible()
+
+
+def test_several_files_are_kept_marked_and_reset_one_by_one(
+    open_workspace: Any, axe: Callable[[Any], list[str]]
+) -> None:
+    page = open_workspace(slug="model_server", permissions=["clipboard-read", "clipboard-write"])
+    exercise = find_exercise("model_server")
+    server, client = [(exercise.solutions / name).read_text("utf-8") for name in exercise.files]
+    broken = client.replace("self.beats += 1", "self.beats += 1 / 0")
+    check(page, server, broken)
+    shown = page.locator(".ws-files [aria-pressed=true]")
+    assert shown.inner_text() == "detection_client.py"
+    assert page.locator(".cm-lintRange-error:visible").inner_text() == "self.beats += 1 / 0"
+    page.get_by_role("button", name="Reset").click()
+    assert "never waits for it" in typed(page)
+    assert page.locator(".cm-lintRange-error").count() == 0
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Download").click()
+    assert download.value.suggested_filename == "detection_client.py"
+    page.get_by_role("button", name="detection_server.py").click()
+    type_in(page, "# mine\n")
+    page.get_by_role("button", name="Link").click()
+    page.locator(".ws-status", has_text="Copied").wait_for()
+    link = page.evaluate("navigator.clipboard.readText()")
+    type_in(page, "# another\n")
+    page.goto(link)
+    page.locator(".cm-line:visible", has_text="mine").wait_for()
+    page.reload()
+    page.locator(".cm-line:visible", has_text="mine").wait_for()
+    page.get_by_role("button", name="detection_client.py").click()
+    assert "never waits for it" in typed(page)
+    page.get_by_label("Earlier versions").select_option(index=1)
+    assert "never waits for it" in typed(page)
+    page.get_by_role("button", name="detection_server.py").click()
+    assert "# another" in typed(page)
+    assert axe(page) == []

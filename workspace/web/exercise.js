@@ -1,7 +1,7 @@
 // The workspace of an exercise's page: its scenarios, and the grader's checks.
 
 import { el } from './element.js';
-import { showChanges } from './shelf.js';
+import { showChanges, split } from './shelf.js';
 import { Workspace, button } from './workspace.js';
 
 const JUDGE_EVERY = 2; // [s] while a check drives on: each time costs about half a second
@@ -27,9 +27,8 @@ function options(titles) {
 
 export class Exercise extends Workspace {
   constructor(plan, demos, machine) {
-    const [file] = plan.files;
     super({
-      what: 'exercise', file, skeleton: plan.skeleton[file], origin: 'the skeleton', shelf: plan.slug, words: plan.words,
+      what: 'exercise', skeletons: plan.skeleton, origin: 'the skeleton', shelf: plan.slug, words: plan.words,
       threads: plan.threads,
     }, machine);
     this.plan = plan;
@@ -79,12 +78,14 @@ export class Exercise extends Workspace {
     }
     const scenario = this.scenario.value;
     const seed = this.seed.value === '' ? {} : { seed: Number(this.seed.value) };
-    this.editor.mark(0);
+    this.unmark();
     return this.work(async () => {
       const hand = await this.machine.ready();
-      hand.doing = `Driving in ${scenario}`;
+      const isOwn = !this.names[1] || scenario in this.plan.scenarios; // and names its programs
+      const file = isOwn ? this.names[0] : this.file;
+      hand.doing = isOwn ? `Driving in ${scenario}` : `Driving ${file} in ${scenario}`;
       this.say(`${hand.doing} …`);
-      const [ended, recordings] = await this.trial(hand, scenario, this.editor.text, seed);
+      const [ended, recordings] = await this.trial(hand, scenario, this.text, { file, ...seed });
       this.show('replay');
       return this.showDrive(ended, scenario, recordings, this.plan.title);
     });
@@ -92,12 +93,12 @@ export class Exercise extends Workspace {
 
   check() {
     if (this.busy) return null;
-    this.editor.mark(0);
+    this.unmark();
     Object.values(this.rows).forEach(({ fill }) => fill(null));
     this.score.replaceChildren();
     [this.judged, this.stale.hidden] = [undefined, true];
     return this.work(async () => {
-      const text = this.editor.text;
+      const { text } = this;
       await this.driveAll(text);
       this.say('Judging …');
       const grading = await this.judge(await this.machine.ready());
@@ -136,7 +137,7 @@ export class Exercise extends Workspace {
   }
 
   async judge(hand, only = []) {
-    const order = { exercise: this.plan.slug, file: this.file, scenarios: this.driven, only };
+    const order = { exercise: this.plan.slug, file: this.names[0], scenarios: this.driven, only };
     return (await hand.call('judge', order, { recordings: this.recordings }))[0];
   }
 
@@ -250,9 +251,10 @@ export class Exercise extends Workspace {
   changes() {
     const { text, at } = this.shelf.green;
     const since = `what passed all checks on ${new Date(at).toLocaleString()}`;
-    const same = text === this.editor.text;
-    this.score.replaceChildren(el('p', {}, same ? `This is ${since}.` : `Changed since ${since}:`),
-      same ? '' : showChanges(text, this.editor.text));
+    const [before, after] = [text, this.text].map((each) => split(each, this.skeletons));
+    const changed = this.names.filter((name) => before[name] !== after[name]);
+    this.score.replaceChildren(el('p', {}, changed.length ? `Changed since ${since}:` : `This is ${since}.`),
+      ...changed.flatMap((name) => [this.names[1] ? el('p', {}, name) : '', showChanges(name, before[name], after[name])]));
     this.show('result');
     this.score.scrollIntoView();
   }
