@@ -78,9 +78,10 @@ NOT_OF_PACKAGES = re.compile(
 )
 NOT_OF_NUMPY = re.compile(
     r"/tests/|\.pyi$|\.pxd$|timer_comparison|/include/|/f2py/|/_pyinstaller/|/testing/|/distutils/"
-    r"|\.a$|/doc/|\.js$|\.dist-info/(?!METADATA)|_umath_tests|_rational_tests|_struct_ufunc|_operand_flag"
+    r"|\.a$|/doc/|\.js$|\.dist-info/(?!METADATA)|_(umath|rational|multiarray)_tests|_struct_ufunc|_operand_flag"
     r"|linalg/lapack_lite"  # of tests only
 )
+EMPTY = ("numpy/_core/_add_newdocs.py", "numpy/_core/_add_newdocs_scalars.py")  # docstrings alone
 NOT_OF_PYTHON = re.compile(
     r"^(ensurepip|idlelib|lib2to3|pydoc_data|sqlite3|test|tkinter|turtle|xmlrpc|mailbox|wsgiref|curses"
     r"|(aifc|cgi|cgitb|ftplib|imaplib|modulefinder|nntplib|pipes|poplib|smtplib|sndhdr|sunau|telnetlib"
@@ -178,7 +179,8 @@ def build(out: Path, modules: Path, wheel: Path, compiler: Sequence[str]) -> Non
     lock = json.loads((modules / "pyodide" / "pyodide-lock.json").read_text("utf-8"))
     (pyodide / "pyodide-lock.json").write_text(json.dumps({"info": lock["info"], "packages": {}}))
     library = _zipped(modules / "pyodide" / LIBRARY, NOT_OF_PYTHON)
-    packages, course = {**_zipped(wheel, NOT_OF_NUMPY), **_packages()}, _course()
+    numpy = {**_zipped(wheel, NOT_OF_NUMPY), **dict.fromkeys(EMPTY, b"")}
+    packages, course = {**numpy, **_packages()}, _course()
     with compiled(library, "/lib/python312.zip", "2") as folder:
         content = _stored(folder)
     (pyodide / f"{LIBRARY}.pack").write_bytes(gzip.compress(content, mtime=0))

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 from workspace.stacks import Browser, Gate, Stacks
 
 if TYPE_CHECKING:
+    from grader.course.submission import Submission
     from grader.grading.grading import Grading
     from grader.link.in_process import InProcess
     from grader.recording import Recording
@@ -60,6 +61,7 @@ class Runtime:
         self, recordings: Path, reached: Callable[[float], object], browser: Browser | None
     ) -> None:
         self._recordings = recordings
+        self._read_before = recordings / "read.pickle"  # what a launch file starts
         self._reached = reached
         self._stacks = Stacks(browser) if browser else None
         self._launcher: InProcess
@@ -129,9 +131,8 @@ class Runtime:
 
         The order names the `file`, the `scenario`, all files of its exercise (`others`),
         perhaps a `seed` and a `lead` [ns], and whether to `interrupt`. `{"lead": …}` in the answer:
-        the same again in a fresh copy, with this lead.
+        the same again in a fresh copy, with this lead and what has been kept.
         """
-        from grader.course.submission import find_submission
         from grader.link.in_process import StartEarlier
         from grader.trial.seeds import mixed_seed
         from grader.trial.virtual_time import Limits, run_trial
@@ -140,9 +141,12 @@ class Runtime:
         wanted = json.loads(order)
         scenario = load_scenario(wanted["scenario"])
         self._files = frozenset(wanted["others"])
+        submission = self._read(Path(wanted["file"]), wanted["others"])
+        if submission is None:
+            return json.dumps({"lead": 0})
         try:
             recording = run_trial(
-                find_submission(Path(wanted["file"]), others=wanted["others"]),
+                submission,
                 scenario,
                 self._launcher,
                 seed=mixed_seed(scenario.seed, wanted.get("seed")),
@@ -153,6 +157,19 @@ class Runtime:
         except StartEarlier as early:
             return json.dumps({"lead": early.lead})
         return json.dumps(self._kept(recording))
+
+    def _read(self, file: Path, others: list[str]) -> Submission | None:
+        """Return what to run; None: a launch file had to be read, and this is kept."""
+        from grader.course.submission import find_submission
+        from grader.trial.packages import unpacked
+
+        if self._read_before.is_file():
+            return pickle.loads(self._read_before.read_bytes())  # type: ignore[no-any-return]
+        found = find_submission(file, others=others)
+        if found.package is None:
+            return found
+        self._read_before.write_bytes(pickle.dumps(unpacked(found, self._launcher)))
+        return None
 
     def drive(self, order: str) -> str:
         """Do what `course drive FILE ARGUMENTS` does; say what it prints, and how the run ended.

@@ -28,6 +28,8 @@ TYPED = {  # in each exercise, after the reference
     "model_server": ("dies_of_the_other_exceptions", "age_since_arrival", "constructor_waits"),
     "safety_supervisor": ("raises_on_nan", "no_obstacle", "silent_when_stale"),
     "latency_monitor": ("all_calls_ever", "dies_without_a_model", "missed_ever"),
+    "live_parameters": ("read_once", "clips", "each_by_itself"),
+    "three_nodes": ("two_drivers", "past_the_guard", "nan_gets_through"),
 }
 SLUG = "obstacle_avoidance"
 NO_STORAGE = "Object.defineProperty(window, 'localStorage', { get() { throw new Error('no') } })"

@@ -73,8 +73,8 @@ def graded(page: runtime.Runtime, order: dict[str, object], scenarios: list[str]
         trial = {"file": order["file"], "others": order["others"], "scenario": scenario}
         trial["interrupt"] = number == 0
         outcome = json.loads(forked(page.trial, **trial))
-        if "lead" in outcome:
-            forked(page.trial, **trial, **outcome)
+        while "lead" in outcome:
+            outcome = json.loads(forked(page.trial, **trial, **outcome))
     return forked(page.judge, exercise=order["exercise"], file=order["file"], scenarios=scenarios)
 
 

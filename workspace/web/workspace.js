@@ -246,11 +246,11 @@ export class Workspace {
   }
 
   /** Run a text's `file`, by a `call` of workspace.runtime.Runtime; return what it says, and its recording. */
-  async run(hand, call, order, text) {
+  async run(hand, call, order, text, kept = {}) {
     const { file = this.names[0] } = order;
     const files = split(text, this.skeletons);
-    const [ended, recordings] = await hand.call(call, { ...order, file: `${FOLDER}/${file}` }, { files });
-    return ended.lead ? this.run(hand, call, { ...order, lead: ended.lead }, text) : [ended, recordings];
+    const [ended, recordings] = await hand.call(call, { ...order, file: `${FOLDER}/${file}` }, { files, recordings: kept });
+    return 'lead' in ended ? this.run(hand, call, { ...order, lead: ended.lead }, text, recordings) : [ended, recordings];
   }
 
   /** Show the replay of a drive; return in a sentence how it ended. */
