@@ -222,13 +222,18 @@ def _plans() -> dict[str, Any]:
 
 
 def _drives(files: Sequence[str]) -> dict[str, Any]:
-    """Return what a program can import in the page, in which scenarios, and with which options."""
+    """Return what a program can import in the page, in which scenarios, and with which options.
+
+    In some scenarios it is one of several programs.
+    """
     library = {name for name in sys.stdlib_module_names if not NOT_OF_PYTHON.match(f"{name}.py")}
     packed = {found["module"] for name in files if (found := OF_NODES.match(name))}
     places = {name: path.relative_to(ROOT).as_posix() for name, path in scenario_names().items()}
+    scenarios = sorted(name for name, path in places.items() if path in files)
     return {
         "modules": sorted((library | packed) - NOT_OF_NODES),
-        "scenarios": sorted(name for name, path in places.items() if path in files),
+        "scenarios": scenarios,
+        "several": [name for name in scenarios if load_scenario(name).program],
         "refused": sorted(REFUSED),
     }
 
