@@ -6,6 +6,9 @@ those of `course grade`. Without `make workspace` these tests are skipped.
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,6 +21,7 @@ from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
+from workspace.plan import plan
 
 MADE = ROOT / "build" / "workspace" / "manifest.json"
 TYPED = {  # in each exercise, after the reference
@@ -42,6 +46,26 @@ import rclpy.node, geometry_msgs.msg
 threading.Thread(target=threading.Event().wait, daemon=True).start()
 rclpy.node.Node.create_publisher = rclpy.spin_once = geometry_msgs.msg.Twist = None
 sys.modules["rclpy"] = sys.modules["sensor_msgs.msg"] = None
+"""
+TRIALS = 200
+TRY = """async ([file, runs]) => {
+  const here = new URL('../../_static/workspace/', location);
+  const { Machine } = await import(new URL('machine.js', here));
+  const machine = new Machine(await (await fetch(new URL('manifest.json', here))).json());
+  machine.serve({ hear() {}, ask() { throw new Error('silent'); } });
+  const [hand] = machine.hands;
+  const made = [];
+  for (const [scenario, text] of runs) {
+    const order = { file: `/home/reader/${file}`, others: [file], scenario };
+    const [ended, recordings] = await hand.call('trial', order, { files: { [file]: text } });
+    made.push(ended.lead ? null : recordings[`${scenario}.pickle`]);
+  }
+  return [made[0], made.at(-1)].map((bytes) => Array.from(bytes));
+}"""
+DIGESTS = """
+import json, pickle, sys
+sys.path[:0] = sys.argv[1:]
+print(*(pickle.loads(bytes(each))[0].digest() for each in json.load(sys.stdin)))
 """
 DRIVE_ON = "import time\n\nwhile True:\n    pass\n"
 
@@ -114,6 +138,30 @@ def test_the_first_failure_is_shown_where_it_happens(open_workspace: Any) -> Non
     page.locator(".ws-hints details p").first.wait_for()
 
 
+@pytest.mark.parametrize("size", [(1280, 800), (390, 800)])
+def test_what_the_node_logs_and_prints_leads_to_its_moment(
+    open_workspace: Any, axe: Callable[[Any], list[str]], size: tuple[int, int]
+) -> None:
+    page = open_workspace(viewport={"width": size[0], "height": size[1]})
+    settle(page)
+    text = (find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py").read_text()
+    said = 'twist.linear.x = speed\n        print("it is", speed)'
+    type_in(page, text.replace("twist.linear.x = speed", said))
+    page.keyboard.press("Control+Enter")
+    settle(page)
+    replay = page.frame_locator(".ws-replay iframe")
+    line = replay.locator(".log-line", has_text="it is").nth(10)
+    line.wait_for()
+    if size[0] > 800:  # beside the map, in one view with the timeline
+        frame, *parts = (place.bounding_box() for place in (
+            page.locator(".ws-replay"), replay.locator(".log-list"), replay.locator(".timeline-track")))
+        assert all(p["y"] + p["height"] <= frame["y"] + frame["height"] for p in parts)
+    moment = line.locator(".log-time").inner_text()
+    line.click()
+    replay.locator(".clock", has_text=f"{moment} /").wait_for()
+    assert axe(page) == []
+
+
 def test_changes_are_those_since_the_last_version_that_passed(
     open_workspace: Any, axe: Callable[[Any], list[str]]
 ) -> None:
@@ -139,6 +187,24 @@ def test_a_node_that_wrecks_python_leaves_nothing_for_the_next(open_workspace: A
     assert check(page, WRECKS).startswith("0 of 100")
     reference = find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py"
     assert check(page, reference.read_text()) == "100 of 100 points."
+
+
+@pytest.mark.long
+def test_two_hundred_trials_in_one_worker_leave_nothing_behind(open_workspace: Any) -> None:
+    page = open_workspace()
+    settle(page)
+    exercise = find_exercise(SLUG)
+    [file] = exercise.files
+    scenarios = list(plan(exercise)["scenarios"])
+    reference = (exercise.solutions / file).read_text("utf-8")
+    runs = [[scenarios[i % len(scenarios)], reference] for i in range(TRIALS)]
+    runs[TRIALS // 2][1] = WRECKS
+    runs[-1] = runs[0]
+    made = json.dumps(page.evaluate(TRY, [file, runs]))
+    stand_ins = ROOT / "workspace" / "stand_ins"
+    command = [sys.executable, "-c", DIGESTS, str(stand_ins), str(ROOT)]
+    first, last = subprocess.check_output(command, input=made, text=True).split()
+    assert first == last
 
 
 def test_what_was_typed_survives_a_stop_and_a_reload(open_workspace: Any) -> None:
@@ -231,6 +297,18 @@ def test_the_keyboard_gets_into_the_editor_and_out_again(open_workspace: Any) ->
     assert page.evaluate("document.activeElement.id") == "ws-scenario"
     page.keyboard.press("Escape")
     assert not page.locator("dialog.workspace").is_visible()
+
+
+def test_an_empty_editor_is_told_how_to_begin_again(open_workspace: Any) -> None:
+    page = open_workspace(slug="model_server")
+    settle(page)
+    type_in(page, " \n")
+    page.locator(".ws-files button").nth(1).click()
+    for act in ("Drive", "Check"):
+        page.get_by_role("button", name=act, exact=True).click()
+        assert page.locator(".ws-status").inner_text().startswith("detection_server.py is empty: Reset")
+    page.get_by_role("button", name="Reset").click()
+    assert "Detection server" in typed(page)
 
 
 def test_a_later_visit_needs_no_server(chromium: Any, site: Path, tmp_path: Path) -> None:

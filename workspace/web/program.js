@@ -53,7 +53,7 @@ export class Program extends Workspace {
   }
 
   drive() {
-    if (this.busy || this.whyNot) return null;
+    if (this.busy || this.whyNot || !this.isThere()) return null;
     this.unmark();
     stand(this.hash);
     return this.work(async () => {

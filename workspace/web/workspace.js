@@ -212,6 +212,15 @@ export class Workspace {
 
   // --- what is done
 
+  /** Say that a file is empty, if one is; return whether all can be run. */
+  isThere() {
+    const empty = this.names.find((name) => !this.editors[name].text.trim());
+    if (!empty) return true;
+    this.showFile(empty);
+    this.say(`${empty} is empty: Reset begins with ${this.origin} again.`);
+    return false;
+  }
+
   /** Do what takes the worker's time, unless something is under way; return when that has ended. */
   work(task, done) {
     if (!this.busy) this.current = this.begin(task, done);
