@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pytest
@@ -40,8 +40,20 @@ class _Marks:
         return list(dict.fromkeys([*needed, *mark["scenarios"]]))
 
 
+class _Prepared(SavedTrials):
+    """No recordings; notes the order in which the grader would make them."""
+
+    scenarios: Sequence[str] = ()
+
+    def prepare(self, scenarios: Sequence[str]) -> None:
+        self.scenarios = scenarios
+
+
 def plan(exercise: Exercise) -> dict[str, Any]:
-    """Return the exercise's JSON object for the page; its checks in the order of the tasks.
+    """Return the exercise's JSON object for the page.
+
+    Its checks are in the order of the tasks; its scenarios in that of the grader's trials, on which
+    a cause can depend that says what came first.
 
     Raises
     ------
@@ -54,6 +66,7 @@ def plan(exercise: Exercise) -> dict[str, Any]:
     pytest.main([str(exercise.judge), *settings, *options], plugins=[marks])
     if not marks.by_check:
         raise GraderError(f"{exercise.judge}: expected core checks, found none")
+    trials = _Prepared([])
     checks = [
         {
             "id": check.id,
@@ -63,9 +76,8 @@ def plan(exercise: Exercise) -> dict[str, Any]:
             "hint": check.hint,
             "scenarios": marks.scenarios_of(check.id),
         }
-        for check in grade(exercise, SavedTrials([]), file=file).checks
+        for check in grade(exercise, trials, file=file).checks
     ]
-    names = dict.fromkeys(name for check in checks for name in check["scenarios"])
     return {
         "number": exercise.number,
         "slug": exercise.slug,
@@ -73,7 +85,7 @@ def plan(exercise: Exercise) -> dict[str, Any]:
         "files": list(exercise.files),
         "points": exercise.max_points,
         "checks": checks,
-        "scenarios": {name: load_scenario(name).title for name in names},
+        "scenarios": {name: load_scenario(name).title for name in trials.scenarios},
     }
 
 

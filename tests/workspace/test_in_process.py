@@ -22,7 +22,7 @@ TOLD = ("outcome", "message", "expected", "actual", "help", "time", "scenario", 
 GRADED = [
     ("1", None), ("1", "narrow_cone"), ("3", None),
     ("4", None), ("4", "reliable_only"), ("7", None),
-    ("5", None), ("6", None), ("6", "dies_of_the_other_exceptions"), ("6", "constructor_waits"),
+    ("5", None), ("5", "worker_ends_with_an_exception"), ("6", None), ("6", "dies_of_the_other_exceptions"), ("6", "constructor_waits"),
     ("9", None), ("10", None), ("10", "clips"), ("11", None), ("11", "two_drivers"),
 ]  # fmt: skip
 
