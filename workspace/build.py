@@ -32,7 +32,7 @@ from grader.course.exercises import ROOT, find_exercise
 from grader.errors import GraderError, InputError
 from rclpy_portable import unpacking
 from sim.scenario_files import load_scenario, scenario_names
-from workspace.plan import plan, words
+from workspace.plan import fields, methods, plan
 from workspace.runtime import REFUSED
 
 HERE = Path(__file__).resolve().parent
@@ -50,7 +50,7 @@ WEB = (
 # The rooms of the course that a page needs
 COURSE = re.compile(
     rf"sim/(?!live/)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
-    rf"|workspace/(runtime|stacks|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
+    rf"|workspace/(runtime|stacks|trials|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
     r"|grader/(?!exercises|authoring|classroom|drive/(search/|delay|mishaps)|lms"
     r"|nbgrader|notebook|testing|models/expert|trial/real_time"
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
@@ -214,11 +214,11 @@ def _plans() -> dict[str, Any]:
             **plan(each),
             "skeleton": skeleton[each.slug],
             "threads": each.slug in PINS["threaded"],
-            "words": words(each, node),
+            "words": fields(each),
         }
         for each in exercises
     }
-    return {"exercises": plans, "demos": demos}
+    return {"exercises": plans, "demos": demos, "methods": methods(node)}
 
 
 def _drives(files: Sequence[str]) -> dict[str, Any]:

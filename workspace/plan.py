@@ -12,9 +12,10 @@ import pytest
 from grader.course.exercises import Exercise
 from grader.errors import GraderError
 from grader.grading.grading import grade
-from grader.trial.trials import SavedTrials
+from grader.grading.plugin import UNAVAILABLE
 from sim.messages import typestore
 from sim.scenario_files import load_scenario
+from workspace.trials import PageTrials
 
 
 class _Marks:
@@ -40,7 +41,7 @@ class _Marks:
         return list(dict.fromkeys([*needed, *mark["scenarios"]]))
 
 
-class _Prepared(SavedTrials):
+class _Prepared(PageTrials):
     """No recordings; notes the order in which the grader would make them."""
 
     scenarios: Sequence[str] = ()
@@ -74,7 +75,7 @@ def plan(exercise: Exercise) -> dict[str, Any]:
             "points": check.max_points,
             "task": check.task,
             "hint": check.hint,
-            "scenarios": marks.scenarios_of(check.id),
+            "scenarios": [] if check.outcome == UNAVAILABLE else marks.scenarios_of(check.id),
         }
         for check in grade(exercise, trials, file=file).checks
     ]
@@ -89,15 +90,17 @@ def plan(exercise: Exercise) -> dict[str, Any]:
     }
 
 
-def words(exercise: Exercise, node: str) -> dict[str, str]:
-    """Return what may follow a dot, each with what has it: methods and the messages' fields.
-
-    `node` is the source of rclpy's module of that name.
-    """
+def methods(node: str) -> dict[str, str]:
+    """Return what may follow `self.`, each with what has it; `node` is the source of rclpy.node."""
     classes = [part for part in ast.parse(node).body if isinstance(part, ast.ClassDef)]
     functions = next(part for part in classes if part.name == "Node").body
     names = [part.name for part in functions if isinstance(part, ast.FunctionDef)]
-    found = {name: "Node" for name in names if not name.startswith("_")}
+    return {name: "Node" for name in names if not name.startswith("_")}
+
+
+def fields(exercise: Exercise) -> dict[str, str]:
+    """Return the fields of an exercise's messages, each with what has it."""
+    found: dict[str, str] = {}
     for topic in exercise.topics:
         for name, owner in _fields(topic.type):
             found.setdefault(name, owner)

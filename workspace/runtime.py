@@ -233,11 +233,11 @@ class Runtime:
     def _grading(self, wanted: dict[str, Any]) -> Grading:
         from grader.course.exercises import find_exercise
         from grader.grading.grading import grade
-        from grader.trial.trials import SavedTrials
+        from workspace.trials import PageTrials
 
         return grade(
             find_exercise(wanted["exercise"]),
-            SavedTrials([self._load(name)[0] for name in wanted["scenarios"]]),
+            PageTrials([self._load(name)[0] for name in wanted["scenarios"]]),
             file=wanted["file"],
             only=wanted.get("only", ()),
             isolation=self._launcher.isolation,

@@ -150,7 +150,6 @@ class InProcess:
         imports.host.leave()
         return wire.outcome()
 
-
     def read(self, order: ReadPackage, host: _Host) -> PackageRead:
         """Read a package, or a launch file: a program as well, so this takes a copy of its own.
 

@@ -5,6 +5,7 @@ import { showChanges, split } from './shelf.js';
 import { Workspace, button } from './workspace.js';
 
 const JUDGE_EVERY = 2; // [s] while a check drives on: each time costs about half a second
+const GREEN = ['pass', 'unavailable'];
 const OUTCOMES = {
   pass: '✓ passed', fail: '✗ failed', skip: '– not judged', error: '! the grader failed', inconclusive: '? undecided',
   unavailable: '– not available',
@@ -25,11 +26,17 @@ function options(titles) {
   return Object.entries(titles).map(([name, title]) => el('option', { value: name }, `${name}: ${title}`));
 }
 
+/** Say which points can be won here: a check without scenarios needs a library that no page has. */
+export function pointsHere({ checks, points }) {
+  const here = checks.reduce((sum, check) => sum + (check.scenarios.length ? check.points : 0), 0);
+  if (here === points) return `${points} points can be won here.`;
+  return `${here} of the ${points} points can be won here; the others need libraries such as scikit-learn, and the installed course.`;
+}
+
 export class Exercise extends Workspace {
-  constructor(plan, demos, machine) {
+  constructor(plan, words, demos, machine) {
     super({
-      what: 'exercise', skeletons: plan.skeleton, origin: 'the skeleton', shelf: plan.slug, words: plan.words,
-      threads: plan.threads,
+      what: 'exercise', skeletons: plan.skeleton, origin: 'the skeleton', shelf: plan.slug, words, threads: plan.threads,
     }, machine);
     this.plan = plan;
     this.recordings = {}; // of the last check, by their files
@@ -39,7 +46,7 @@ export class Exercise extends Workspace {
       el('optgroup', { label: 'To try things' }, options(demos)));
     this.exit = this.scenario;
     this.seed = el('input', { id: 'ws-seed', type: 'number', min: 0, max: 1000000, placeholder: 'its own' });
-    this.score = el('div', { class: 'ws-score' }, `Practice: ${plan.points} points can be won here. `
+    this.score = el('div', { class: 'ws-score' }, `Practice: ${pointsHere(plan)} `
       + 'Your instructor’s grade comes from the real rclpy on Linux.');
     this.changesButton = button('Changes', () => this.changes(), { title: 'Since the last version that passed all checks' });
     this.build({
@@ -104,7 +111,7 @@ export class Exercise extends Workspace {
       this.say('Judging …');
       const grading = await this.judge(await this.machine.ready());
       this.fill(grading, this.plan.checks.map(({ id }) => id));
-      this.shelf.add(text, `${grading.score} of ${grading.max_score}`, grading.checks.every(({ outcome }) => outcome === 'pass'));
+      this.shelf.add(text, `${grading.score} of ${grading.max_score}`, grading.checks.every(({ outcome }) => GREEN.includes(outcome)));
       this.listVersions();
       this.speakOf(text);
       await this.tell(grading);
@@ -170,13 +177,14 @@ export class Exercise extends Workspace {
     const state = el('span', { class: 'ws-state' });
     const detail = el('div', { class: 'ws-detail' });
     const title = el('span', { class: 'ws-title' });
+    const atFirst = check.scenarios.length ? '' : 'unavailable';
     const row = el('li', { 'data-check': check.id },
       el('div', { class: 'ws-row' }, state, title,
         el('span', { class: 'ws-points' }, `${check.points}`)), detail);
     const fill = (result) => {
-      row.dataset.outcome = result ? result.outcome : '';
+      row.dataset.outcome = result ? result.outcome : atFirst;
       title.textContent = (result || check).title; // one that failed at its door is called by that
-      state.textContent = result ? OUTCOMES[result.outcome] : '○ open';
+      state.textContent = OUTCOMES[result ? result.outcome : atFirst] ?? '○ open';
       detail.replaceChildren(...(result && result.outcome !== 'pass' ? this.details(result) : []));
     };
     fill(null);

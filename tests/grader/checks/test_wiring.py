@@ -85,7 +85,9 @@ def test_a_program_that_never_makes_a_node_is_asked_for_its_main(run_node: RunNo
 
 
 @pytest.mark.parametrize(("source", "help"), [("", ""), ("# \udce4\n", "look at the line")])
-def test_a_line_is_looked_at_only_where_one_is_named(tmp_path: Path, source: str, help: str) -> None:
+def test_a_line_is_looked_at_only_where_one_is_named(
+    tmp_path: Path, source: str, help: str
+) -> None:
     file = tmp_path / "agent.py"
     file.write_bytes(source.encode("utf-8", "surrogateescape"))
     with pytest.raises(CheckFailed) as failed:
