@@ -32,7 +32,7 @@ from grader.course.exercises import ROOT, find_exercise
 from grader.errors import GraderError, InputError
 from rclpy_portable import unpacking
 from sim.scenario_files import load_scenario, scenario_names
-from workspace.plan import plan, words
+from workspace.plan import fields, methods, plan
 from workspace.runtime import REFUSED
 
 HERE = Path(__file__).resolve().parent
@@ -50,7 +50,7 @@ WEB = (
 # The rooms of the course that a page needs
 COURSE = re.compile(
     rf"sim/(?!live/)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
-    rf"|workspace/(runtime|stacks|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
+    rf"|workspace/(runtime|stacks|trials|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
     r"|grader/(?!exercises|authoring|classroom|drive/(search/|delay|mishaps)|lms"
     r"|nbgrader|notebook|testing|models/expert|trial/real_time"
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
@@ -78,9 +78,10 @@ NOT_OF_PACKAGES = re.compile(
 )
 NOT_OF_NUMPY = re.compile(
     r"/tests/|\.pyi$|\.pxd$|timer_comparison|/include/|/f2py/|/_pyinstaller/|/testing/|/distutils/"
-    r"|\.a$|/doc/|\.js$|\.dist-info/(?!METADATA)|_umath_tests|_rational_tests|_struct_ufunc|_operand_flag"
+    r"|\.a$|/doc/|\.js$|\.dist-info/(?!METADATA)|_(umath|rational|multiarray)_tests|_struct_ufunc|_operand_flag"
     r"|linalg/lapack_lite"  # of tests only
 )
+EMPTY = ("numpy/_core/_add_newdocs.py", "numpy/_core/_add_newdocs_scalars.py")  # docstrings alone
 NOT_OF_PYTHON = re.compile(
     r"^(ensurepip|idlelib|lib2to3|pydoc_data|sqlite3|test|tkinter|turtle|xmlrpc|mailbox|wsgiref|curses"
     r"|(aifc|cgi|cgitb|ftplib|imaplib|modulefinder|nntplib|pipes|poplib|smtplib|sndhdr|sunau|telnetlib"
@@ -192,7 +193,8 @@ def build(out: Path, modules: Path, wheel: Path, compiler: Sequence[str]) -> Non
     lock = json.loads((modules / "pyodide" / "pyodide-lock.json").read_text("utf-8"))
     (pyodide / "pyodide-lock.json").write_text(json.dumps({"info": lock["info"], "packages": {}}))
     library = _zipped(modules / "pyodide" / LIBRARY, NOT_OF_PYTHON)
-    packages, course = {**_zipped(wheel, NOT_OF_NUMPY), **_packages()}, _course()
+    numpy = {**_zipped(wheel, NOT_OF_NUMPY), **dict.fromkeys(EMPTY, b"")}
+    packages, course = {**numpy, **_packages()}, _course()
     with compiled(library, "/lib/python312.zip", "2") as folder:
         content = _stored(folder)
     (pyodide / f"{LIBRARY}.pack").write_bytes(gzip.compress(content, mtime=0))
@@ -226,21 +228,26 @@ def _plans() -> dict[str, Any]:
             **plan(each),
             "skeleton": skeleton[each.slug],
             "threads": each.slug in PINS["threaded"],
-            "words": words(each, node),
+            "words": fields(each),
         }
         for each in exercises
     }
-    return {"exercises": plans, "demos": demos}
+    return {"exercises": plans, "demos": demos, "methods": methods(node)}
 
 
 def _drives(files: Sequence[str]) -> dict[str, Any]:
-    """Return what a program can import in the page, in which scenarios, and with which options."""
+    """Return what a program can import in the page, in which scenarios, and with which options.
+
+    In some scenarios it is one of several programs.
+    """
     library = {name for name in sys.stdlib_module_names if not NOT_OF_PYTHON.match(f"{name}.py")}
     packed = {found["module"] for name in files if (found := OF_NODES.match(name))}
     places = {name: path.relative_to(ROOT).as_posix() for name, path in scenario_names().items()}
+    scenarios = sorted(name for name, path in places.items() if path in files)
     return {
         "modules": sorted((library | packed) - NOT_OF_NODES),
-        "scenarios": sorted(name for name, path in places.items() if path in files),
+        "scenarios": scenarios,
+        "several": [name for name in scenarios if load_scenario(name).program],
         "refused": sorted(REFUSED),
     }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pytest
@@ -12,9 +12,10 @@ import pytest
 from grader.course.exercises import Exercise
 from grader.errors import GraderError
 from grader.grading.grading import grade
-from grader.trial.trials import SavedTrials
+from grader.grading.plugin import UNAVAILABLE
 from sim.messages import typestore
 from sim.scenario_files import load_scenario
+from workspace.trials import PageTrials
 
 
 class _Marks:
@@ -40,8 +41,20 @@ class _Marks:
         return list(dict.fromkeys([*needed, *mark["scenarios"]]))
 
 
+class _Prepared(PageTrials):
+    """No recordings; notes the order in which the grader would make them."""
+
+    scenarios: Sequence[str] = ()
+
+    def prepare(self, scenarios: Sequence[str]) -> None:
+        self.scenarios = scenarios
+
+
 def plan(exercise: Exercise) -> dict[str, Any]:
-    """Return the exercise's JSON object for the page; its checks in the order of the tasks.
+    """Return the exercise's JSON object for the page.
+
+    Its checks are in the order of the tasks; its scenarios in that of the grader's trials, on which
+    a cause can depend that says what came first.
 
     Raises
     ------
@@ -54,6 +67,7 @@ def plan(exercise: Exercise) -> dict[str, Any]:
     pytest.main([str(exercise.judge), *settings, *options], plugins=[marks])
     if not marks.by_check:
         raise GraderError(f"{exercise.judge}: expected core checks, found none")
+    trials = _Prepared([])
     checks = [
         {
             "id": check.id,
@@ -61,11 +75,10 @@ def plan(exercise: Exercise) -> dict[str, Any]:
             "points": check.max_points,
             "task": check.task,
             "hint": check.hint,
-            "scenarios": marks.scenarios_of(check.id),
+            "scenarios": [] if check.outcome == UNAVAILABLE else marks.scenarios_of(check.id),
         }
-        for check in grade(exercise, SavedTrials([]), file=file).checks
+        for check in grade(exercise, trials, file=file).checks
     ]
-    names = dict.fromkeys(name for check in checks for name in check["scenarios"])
     return {
         "number": exercise.number,
         "slug": exercise.slug,
@@ -73,19 +86,21 @@ def plan(exercise: Exercise) -> dict[str, Any]:
         "files": list(exercise.files),
         "points": exercise.max_points,
         "checks": checks,
-        "scenarios": {name: load_scenario(name).title for name in names},
+        "scenarios": {name: load_scenario(name).title for name in trials.scenarios},
     }
 
 
-def words(exercise: Exercise, node: str) -> dict[str, str]:
-    """Return what may follow a dot, each with what has it: methods and the messages' fields.
-
-    `node` is the source of rclpy's module of that name.
-    """
+def methods(node: str) -> dict[str, str]:
+    """Return what may follow `self.`, each with what has it; `node` is the source of rclpy.node."""
     classes = [part for part in ast.parse(node).body if isinstance(part, ast.ClassDef)]
     functions = next(part for part in classes if part.name == "Node").body
     names = [part.name for part in functions if isinstance(part, ast.FunctionDef)]
-    found = {name: "Node" for name in names if not name.startswith("_")}
+    return {name: "Node" for name in names if not name.startswith("_")}
+
+
+def fields(exercise: Exercise) -> dict[str, str]:
+    """Return the fields of an exercise's messages, each with what has it."""
+    found: dict[str, str] = {}
     for topic in exercise.topics:
         for name, owner in _fields(topic.type):
             found.setdefault(name, owner)

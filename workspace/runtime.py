@@ -17,7 +17,7 @@ import pickle
 import shlex
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from functools import partial
 from pathlib import Path
 from types import FrameType
@@ -26,9 +26,12 @@ from typing import TYPE_CHECKING, Any, TextIO
 from workspace.stacks import Browser, Gate, Stacks
 
 if TYPE_CHECKING:
+    from grader.course.submission import Submission
     from grader.grading.grading import Grading
     from grader.link.in_process import InProcess
     from grader.recording import Recording
+
+Lines = list[tuple[float, str, int]]  # [s] of each message, and from which file and line it came
 
 MOMENT = 1e-6  # [s]
 WAY = 4  # frames from there to a node: rclpy_portable, rclpy, and how discovery looks in
@@ -58,11 +61,12 @@ class Runtime:
         self, recordings: Path, reached: Callable[[float], object], browser: Browser | None
     ) -> None:
         self._recordings = recordings
+        self._read_before = recordings / "read.pickle"  # what a launch file starts
         self._reached = reached
         self._stacks = Stacks(browser) if browser else None
         self._launcher: InProcess
-        self._file = ""  # the node's name
-        self._lines: list[tuple[float, int]] = []  # [s] of a message, and its line
+        self._files: frozenset[str] = frozenset()  # the names of the reader's
+        self._lines: Lines = []
 
     def begin(self) -> None:
         """Import all that a trial, a judge or a replay needs; put virtual time under Python."""
@@ -110,8 +114,9 @@ class Runtime:
         send = Publisher.publish_raw
 
         def noted(publisher: Any, data: bytes) -> None:
-            if line := _callback_line(sys._getframe(WAY), self._file):
-                self._lines.append((self._launcher.now, line))
+            file, line = _callback_line(sys._getframe(WAY), self._files)
+            if line:
+                self._lines.append((self._launcher.now, file, line))
             send(publisher, data)
 
         Publisher.publish_raw = noted  # type: ignore[method-assign]
@@ -124,11 +129,10 @@ class Runtime:
     def trial(self, order: str) -> str:
         """Run a trial and keep its recording under the name of its scenario; say how it ended.
 
-        The order names the `file`, the `scenario`, the other files of its exercise (`others`),
+        The order names the `file`, the `scenario`, all files of its exercise (`others`),
         perhaps a `seed` and a `lead` [ns], and whether to `interrupt`. `{"lead": …}` in the answer:
-        the same again in a fresh copy, with this lead.
+        the same again in a fresh copy, with this lead and what has been kept.
         """
-        from grader.course.submission import find_submission
         from grader.link.in_process import StartEarlier
         from grader.trial.seeds import mixed_seed
         from grader.trial.virtual_time import Limits, run_trial
@@ -136,10 +140,13 @@ class Runtime:
 
         wanted = json.loads(order)
         scenario = load_scenario(wanted["scenario"])
-        self._file = Path(wanted["file"]).name
+        self._files = frozenset(wanted["others"])
+        submission = self._read(Path(wanted["file"]), wanted["others"])
+        if submission is None:
+            return json.dumps({"lead": 0})
         try:
             recording = run_trial(
-                find_submission(Path(wanted["file"]), others=wanted["others"]),
+                submission,
                 scenario,
                 self._launcher,
                 seed=mixed_seed(scenario.seed, wanted.get("seed")),
@@ -150,6 +157,19 @@ class Runtime:
         except StartEarlier as early:
             return json.dumps({"lead": early.lead})
         return json.dumps(self._kept(recording))
+
+    def _read(self, file: Path, others: list[str]) -> Submission | None:
+        """Return what to run; None: a launch file had to be read, and this is kept."""
+        from grader.course.submission import find_submission
+        from grader.trial.packages import unpacked
+
+        if self._read_before.is_file():
+            return pickle.loads(self._read_before.read_bytes())  # type: ignore[no-any-return]
+        found = find_submission(file, others=others)
+        if found.package is None:
+            return found
+        self._read_before.write_bytes(pickle.dumps(unpacked(found, self._launcher)))
+        return None
 
     def drive(self, order: str) -> str:
         """Do what `course drive FILE ARGUMENTS` does; say what it prints, and how the run ended.
@@ -163,7 +183,7 @@ class Runtime:
 
         wanted, made, printed = json.loads(order), [], io.StringIO()
         file = Path(wanted["file"])
-        self._file = file.name
+        self._files = frozenset([file.name])
         os.chdir(file.parent)
 
         def drive_node(*what: Any, **how: Any) -> Recording:
@@ -188,15 +208,15 @@ class Runtime:
         """Judge the recordings of `scenarios`: return the JSON object of the grading.
 
         The order names the `exercise`, the `file`, and perhaps the checks to judge (`only`). A
-        check that failed has the `line` of the last message that the node had sent by then.
+        check that failed has the `file` and `line` of the last message that had been sent by then.
         """
         wanted = json.loads(order)
         grading = self._grading(wanted).as_dict()
         for check in grading["checks"]:
             if check["outcome"] == "fail" and check["scenario"] and check["time"] is not None:
                 sent = self._load(check["scenario"])[1]
-                before = [line for time, line in sent if time <= check["time"] + MOMENT]
-                check["line"] = before[-1] if before else 0
+                before = [where for time, *where in sent if time <= check["time"] + MOMENT]
+                check["file"], check["line"] = before[-1] if before else ("", 0)
         return json.dumps(grading, default=str)
 
     def replay(self, order: str) -> str:
@@ -213,11 +233,11 @@ class Runtime:
     def _grading(self, wanted: dict[str, Any]) -> Grading:
         from grader.course.exercises import find_exercise
         from grader.grading.grading import grade
-        from grader.trial.trials import SavedTrials
+        from workspace.trials import PageTrials
 
         return grade(
             find_exercise(wanted["exercise"]),
-            SavedTrials([self._load(name)[0] for name in wanted["scenarios"]]),
+            PageTrials([self._load(name)[0] for name in wanted["scenarios"]]),
             file=wanted["file"],
             only=wanted.get("only", ()),
             isolation=self._launcher.isolation,
@@ -235,8 +255,8 @@ class Runtime:
         return {"scenario": recording.name, "kind": outcome.kind, "text": outcome.text,
                 "where": where}  # fmt: skip
 
-    def _load(self, scenario: str) -> tuple[Recording, list[tuple[float, int]]]:
-        kept: tuple[Recording, list[tuple[float, int]]]
+    def _load(self, scenario: str) -> tuple[Recording, Lines]:
+        kept: tuple[Recording, Lines]
         kept = pickle.loads(self._place(scenario).read_bytes())
         return kept
 
@@ -244,12 +264,12 @@ class Runtime:
         return self._recordings / f"{scenario}.pickle"
 
 
-def _callback_line(frame: FrameType | None, file: str) -> int:
-    """Return the line of the node's outermost function on the way to a frame; 0 without any."""
-    line = 0
-    while frame is not None and frame.f_code.co_filename.endswith(f"/{file}"):
-        line, frame = frame.f_lineno, frame.f_back
-    return line
+def _callback_line(frame: FrameType | None, files: Collection[str]) -> tuple[str, int]:
+    """Return where the node's outermost function is on the way to a frame; line 0 without any."""
+    where = ("", 0)
+    while frame is not None and (name := frame.f_code.co_filename.rpartition("/")[2]) in files:
+        where, frame = (name, frame.f_lineno), frame.f_back
+    return where
 
 
 def _words(arguments: str) -> list[str]:

@@ -132,10 +132,10 @@ def find_mutant(exercise: Exercise, name: str) -> Mutant:
     return found[name]
 
 
-def submission_of(exercise: Exercise, mutant: Mutant) -> dict[str, str]:
-    """Return all files of the exercise: the mutant's, and the reference's others."""
+def submission_of(exercise: Exercise, mutant: Mutant | None) -> dict[str, str]:
+    """Return all files of the exercise: the mutant's, if there is one, and the reference's."""
     reference = {file: (exercise.solutions / file).read_text("utf-8") for file in exercise.files}
-    return {**reference, mutant.file: mutant.text}
+    return {**reference, **({mutant.file: mutant.text} if mutant else {})}
 
 
 def stands_for(exercise: Exercise, path: Path) -> str:

@@ -75,6 +75,8 @@ def require_alive(recording: Recording) -> None:
     if outcome.kind == "exception":
         _fail_of_exception(recording, text, death)
     advice = _ENDS.get(outcome.kind, "")
+    if outcome.kind == "unreadable" and "line " not in text:  # an empty file, a package
+        advice = ""
     if death and death.loop:
         advice = f"Does the loop of {death.loop} ever end? {advice}"
     if death and death.advice:

@@ -319,7 +319,7 @@ def _problem(path: Path) -> str:
             size = path.stat().st_size
             return f"the file has {size:,} bytes; at most {MAX_SIZE:,} are read"
         if not content.strip():
-            return "the file is empty"
+            return "the file is empty: was it saved?"
         return _unencoded(content)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None

@@ -22,7 +22,18 @@ from typing import Generic, NoReturn, Protocol, cast
 
 from grader.errors import GraderError
 from grader.host import forkserver, imports, practice
-from grader.host.frames import Run, Start, ToHost, ToJudge
+from grader.host.frames import (
+    FromScript,
+    LoadModels,
+    PackageRead,
+    Predict,
+    ReadPackage,
+    Run,
+    Script,
+    Start,
+    ToHost,
+    ToJudge,
+)
 from grader.host.wire import Wire, flush_output
 from grader.link import real_clock
 from grader.link.exchange import Cost, HostDied
@@ -111,7 +122,7 @@ class InProcess:
 
     def workplace(self, folder: Path) -> NoReturn:
         """Refuse: there is one host, once."""
-        raise GraderError("packages can't be run here; use the installed course")
+        raise GraderError("there is one folder here, once; use the installed course")
 
     @contextlib.contextmanager
     def host(self, place: Path | Workplace) -> Iterator[Link]:
@@ -138,6 +149,23 @@ class InProcess:
         imports.host.leave()
         return wire.outcome()
 
+    def read(self, order: ReadPackage, host: _Host) -> PackageRead:
+        """Read a package, or a launch file: a program as well, so this takes a copy of its own.
+
+        Raises
+        ------
+        HostDied
+            It has ended the process.
+        """
+        from grader.host import packages  # noqa: PLC0415  (few copies need it)
+
+        read: list[PackageRead] = []
+        with host.printing():
+            self.stacks.run(lambda: read.append(packages.read(order.launch, order.folders)))
+        if not read:
+            raise HostDied
+        return read[0]
+
 
 class _OwnLink(Link):
     """A link to a host on the same stack."""
@@ -149,6 +177,13 @@ class _OwnLink(Link):
     def converse(self, conversation: Conversation[Result]) -> Result:
         """Hold a conversation to its end; return what it returns."""
         return self._own.launcher.hold(conversation, self._own)
+
+    def ask(
+        self, frame: Script | LoadModels | Predict | ReadPackage, limit: float
+    ) -> tuple[FromScript, Cost]:
+        """Have a package read, as far as orders can be given here; it raises as `run` does."""
+        assert isinstance(frame, ReadPackage)
+        return self._own.launcher.read(frame, self._own), Cost(0.0, 0.0)
 
 
 class _Host:

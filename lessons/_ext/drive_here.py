@@ -118,7 +118,8 @@ def add_places(app: Sphinx, doctree: nodes.document, page: str) -> None:
         shown = _shown(app.env, page, file)
         if shown is None or not runs_there(shown.text, words, plan["drives"]):
             continue
-        threads = " data-threads" if needs_threads(shown.text) else ""
+        several = words[words.index("--scenario") + 1] in plan["drives"]["several"]
+        threads = " data-threads" if several or needs_threads(shown.text) else ""
         place = (
             f'<p class="drive-here" data-page="{shown.page}" data-file="{html.escape(file)}" '
             f'data-arguments="{html.escape(shlex.join(words))}" data-act="{ACTS[act]}" '

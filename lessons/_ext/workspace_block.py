@@ -25,7 +25,6 @@ OFF = (
     "from a web server: opened as a file it can't start. <code>python3 -m http.server</code> in "
     "the site's folder is one."
 )
-NOT_HERE = "This exercise runs with the installed course, and not in this page."
 LEFT_OUT = (
     "This site was built without the workspace, in which the node can be written, driven and "
     "checked in the browser (<code>make workspace</code>)."
@@ -39,13 +38,9 @@ def add_block(app: Sphinx, name: str, _template: str, page: dict[str, Any], _tre
         page["body"] = page["body"].replace(start, f'{start[:-1]}#workspace"', 1)
         return
     parts = name.split("/")
-    if parts[0] != "exercises" or parts[-1] != "README":
+    if parts[0] != "exercises" or parts[-1] != "README" or parts[1] not in _known(app):
         return
     made = app.config.course_workspace_made
-    if parts[1] not in _known(app):
-        none = f'<p class="workspace-none">{NOT_HERE}</p>' if made else ""
-        page["body"] = page["body"].replace("</h1>", f"</h1>{none}", 1)
-        return
     words = OFF if made else LEFT_OUT
     block = (
         f'<div class="workspace-block" id="workspace" data-exercise="{html.escape(parts[1])}">'

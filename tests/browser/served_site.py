@@ -31,7 +31,7 @@ def served(site: Path, root: Path) -> Iterator[str]:
 
 
 def type_in(page: Any, text: str) -> None:
-    page.locator(".cm-content").click()
+    page.locator(".cm-content:visible").click()
     page.keyboard.press("Control+A")
     page.keyboard.insert_text(text)
 
@@ -43,4 +43,4 @@ def settle(page: Any) -> str:
 
 
 def typed(page: Any) -> str:
-    return str(page.evaluate("document.querySelector('.cm-content').innerText"))
+    return str(page.locator(".cm-content:visible").inner_text())

@@ -6,6 +6,9 @@ those of `course grade`. Without `make workspace` these tests are skipped.
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,20 +16,26 @@ from typing import Any
 import pytest
 from served_site import SLOW, served, settle, type_in, typed
 
-from grader.authoring.mutants import find_mutant
+from grader.authoring.mutants import find_mutant, submission_of
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
+from workspace.plan import plan
 
 MADE = ROOT / "build" / "workspace" / "manifest.json"
 TYPED = {  # in each exercise, after the reference
     "obstacle_avoidance": ("narrow_cone", "one_close_beam_is_noise", "reliable_only"),
+    "ml_velocity": ("loads_twice", "front_is_90_degrees", "nan_slips_through"),
     "goal_seeking": ("yaw_in_degrees", "ignores_without_a_word", "no_wrap"),
     "trend_memory": ("whole_circle", "dies_of_equal_stamps", "time_of_arrival"),
     "slow_model": ("one_group_for_all", "thread_for_each_scan", "overlapping_inferences"),
+    "model_server": ("dies_of_the_other_exceptions", "age_since_arrival", "constructor_waits"),
     "safety_supervisor": ("raises_on_nan", "no_obstacle", "silent_when_stale"),
+    "model_formats": ("suffix_within", "features_in_another_order", "nan_slips_through"),
     "latency_monitor": ("all_calls_ever", "dies_without_a_model", "missed_ever"),
+    "live_parameters": ("read_once", "clips", "each_by_itself"),
+    "three_nodes": ("two_drivers", "past_the_guard", "nan_gets_through"),
 }
 SLUG = "obstacle_avoidance"
 NO_STORAGE = "Object.defineProperty(window, 'localStorage', { get() { throw new Error('no') } })"
@@ -39,6 +48,28 @@ import rclpy.node, geometry_msgs.msg
 threading.Thread(target=threading.Event().wait, daemon=True).start()
 rclpy.node.Node.create_publisher = rclpy.spin_once = geometry_msgs.msg.Twist = None
 sys.modules["rclpy"] = sys.modules["sensor_msgs.msg"] = None
+"""
+TRIALS = 200
+TRY = """async ([file, runs]) => {
+  const here = new URL('../../_static/workspace/', location);
+  const { Machine } = await import(new URL('machine.js', here));
+  const machine = new Machine(await (await fetch(new URL('manifest.json', here))).json());
+  machine.serve({ hear() {}, ask() { throw new Error('silent'); } });
+  const [hand] = machine.hands;
+  const made = [];
+  for (const [scenario, text] of runs) {
+    const order = { file: `/home/reader/${file}`, others: [file], scenario };
+    const [ended, recordings] = await hand.call('trial', order, { files: { [file]: text } });
+    made.push(ended.lead ? null : recordings[`${scenario}.pickle`]);
+  }
+  return [made[0], made.at(-1)].map((bytes) => Array.from(bytes));
+}"""
+DIGESTS = """
+import json, pickle, sys
+sys.path[:0] = sys.argv[1:]
+import msgspec
+msgspec.msgpack.encode = lambda each: repr(each).encode()  # the stand-in has none
+print(*(pickle.loads(bytes(each))[0].digest() for each in json.load(sys.stdin)))
 """
 DRIVE_ON = "import time\n\nwhile True:\n    pass\n"
 
@@ -53,15 +84,18 @@ def open_workspace(open_served: Any) -> Any:
 
     def open_(hash_: str = "#workspace", slug: str = SLUG, script: str = "", **options: Any) -> Any:
         page = open_served(f"exercises/{slug}/README.html{hash_}", script, **options)
-        page.locator(".cm-content").wait_for()
+        page.locator(".cm-content:visible").wait_for()
         return page
 
     return open_
 
 
-def check(page: Any, text: str) -> str:
+def check(page: Any, *texts: str) -> str:
     settle(page)
-    type_in(page, text)
+    for number, text in enumerate(texts):
+        if texts[1:]:
+            page.locator(".ws-files button").nth(number).click()
+        type_in(page, text)
     page.keyboard.press("Control+Shift+Enter")
     return settle(page)
 
@@ -71,20 +105,23 @@ def test_nodes_that_are_typed_in_get_the_verdicts_of_course_grade(
     open_workspace: Any, forkserver: ForkServer, tmp_path: Path, slug: str
 ) -> None:
     exercise = find_exercise(slug)
-    file = tmp_path / exercise.files[0]
+    first, *others = exercise.files
+    here = [check["id"] for check in plan(exercise)["checks"] if check["scenarios"]]
     page = open_workspace(slug=slug)
     different = {}
     for mutant in (None, *TYPED[slug]):
-        reference = exercise.solutions / file.name
-        file.write_text(find_mutant(exercise, mutant).text if mutant else reference.read_text())
-        graded = grade_submission(exercise, find_submission(file), forkserver, file=file.name)
-        assert "points" in check(page, file.read_text())
+        files = submission_of(exercise, find_mutant(exercise, mutant) if mutant else None)
+        for name, text in files.items():
+            (tmp_path / name).write_text(text, "utf-8")
+        submission = find_submission(tmp_path, first, others)
+        graded = grade_submission(exercise, submission, forkserver, file=first, only=here)
+        assert "points" in check(page, *files.values())
         found = dict(page.locator(".ws-list li").evaluate_all(SAID))
         said = page.locator(".ws-cause").all_inner_texts()
         wanted = {c.id: [c.outcome, c.message] for c in graded.checks}
-        for name in (set(found) | set(wanted)) - set(MEASURED):
-            if found.get(name) != wanted.get(name):
-                different[mutant, name] = (found.get(name), wanted.get(name))
+        for name in set(here) - set(MEASURED):
+            if found[name] != wanted[name]:
+                different[mutant, name] = (found[name], wanted[name])
         if bool(said) != bool(graded.cause) or (said and graded.cause.text not in said[0]):
             different[mutant, "cause"] = (said, graded.cause)
     assert different == {}
@@ -104,6 +141,36 @@ def test_the_first_failure_is_shown_where_it_happens(open_workspace: Any) -> Non
     assert marked.strip().startswith("self.drive(")
     page.locator("li[data-outcome=fail] button", has_text="A hint").first.click()
     page.locator(".ws-hints details p").first.wait_for()
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (390, 800)])
+def test_what_the_node_logs_and_prints_leads_to_its_moment(
+    open_workspace: Any, axe: Callable[[Any], list[str]], size: tuple[int, int]
+) -> None:
+    page = open_workspace(viewport={"width": size[0], "height": size[1]})
+    settle(page)
+    text = (find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py").read_text()
+    said = 'twist.linear.x = speed\n        print("it is", speed)'
+    type_in(page, text.replace("twist.linear.x = speed", said))
+    page.keyboard.press("Control+Enter")
+    settle(page)
+    replay = page.frame_locator(".ws-replay iframe")
+    line = replay.locator(".log-line", has_text="it is").nth(10)
+    line.wait_for()
+    if size[0] > 800:  # beside the map, in one view with the timeline
+        frame, *parts = (
+            place.bounding_box()
+            for place in (
+                page.locator(".ws-replay"),
+                replay.locator(".log-list"),
+                replay.locator(".timeline-track"),
+            )
+        )
+        assert all(p["y"] + p["height"] <= frame["y"] + frame["height"] for p in parts)
+    moment = line.locator(".log-time").inner_text()
+    line.click()
+    replay.locator(".clock", has_text=f"{moment} /").wait_for()
+    assert axe(page) == []
 
 
 def test_changes_are_those_since_the_last_version_that_passed(
@@ -131,6 +198,24 @@ def test_a_node_that_wrecks_python_leaves_nothing_for_the_next(open_workspace: A
     assert check(page, WRECKS).startswith("0 of 100")
     reference = find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py"
     assert check(page, reference.read_text()) == "100 of 100 points."
+
+
+@pytest.mark.long
+def test_two_hundred_trials_in_one_worker_leave_nothing_behind(open_workspace: Any) -> None:
+    page = open_workspace()
+    settle(page)
+    exercise = find_exercise(SLUG)
+    [file] = exercise.files
+    scenarios = list(plan(exercise)["scenarios"])
+    reference = (exercise.solutions / file).read_text("utf-8")
+    runs = [[scenarios[i % len(scenarios)], reference] for i in range(TRIALS)]
+    runs[TRIALS // 2][1] = WRECKS
+    runs[-1] = runs[0]
+    made = json.dumps(page.evaluate(TRY, [file, runs]))
+    stand_ins = ROOT / "workspace" / "stand_ins"
+    command = [sys.executable, "-c", DIGESTS, str(stand_ins), str(ROOT)]
+    first, last = subprocess.check_output(command, input=made, text=True).split()
+    assert first == last
 
 
 def test_what_was_typed_survives_a_stop_and_a_reload(open_workspace: Any) -> None:
@@ -225,6 +310,22 @@ def test_the_keyboard_gets_into_the_editor_and_out_again(open_workspace: Any) ->
     assert not page.locator("dialog.workspace").is_visible()
 
 
+def test_an_empty_editor_is_told_how_to_begin_again(open_workspace: Any) -> None:
+    page = open_workspace(slug="model_server")
+    settle(page)
+    type_in(page, " \n")
+    page.locator(".ws-files button").nth(1).click()
+    for act in ("Drive", "Check"):
+        page.get_by_role("button", name=act, exact=True).click()
+        assert (
+            page.locator(".ws-status")
+            .inner_text()
+            .startswith("detection_server.py is empty: Reset")
+        )
+    page.get_by_role("button", name="Reset").click()
+    assert "Detection server" in typed(page)
+
+
 def test_a_later_visit_needs_no_server(chromium: Any, site: Path, tmp_path: Path) -> None:
     context = chromium.new_context()
     page = context.new_page()
@@ -304,3 +405,39 @@ def test_what_is_typed_during_a_check_is_not_checked(open_workspace: Any) -> Non
     type_in(page, "# changed\n")
     assert settle(page) == "100 of 100 points."
     assert page.locator(".ws-stale").is_visible()
+
+
+def test_several_files_are_kept_marked_and_reset_one_by_one(
+    open_workspace: Any, axe: Callable[[Any], list[str]]
+) -> None:
+    page = open_workspace(slug="model_server", permissions=["clipboard-read", "clipboard-write"])
+    exercise = find_exercise("model_server")
+    server, client = [(exercise.solutions / name).read_text("utf-8") for name in exercise.files]
+    broken = client.replace("self.beats += 1", "self.beats += 1 / 0")
+    check(page, server, broken)
+    shown = page.locator(".ws-files [aria-pressed=true]")
+    assert shown.inner_text() == "detection_client.py"
+    assert page.locator(".cm-lintRange-error:visible").inner_text() == "self.beats += 1 / 0"
+    page.get_by_role("button", name="Reset").click()
+    assert "never waits for it" in typed(page)
+    assert page.locator(".cm-lintRange-error").count() == 0
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Download").click()
+    assert download.value.suggested_filename == "detection_client.py"
+    page.get_by_role("button", name="detection_server.py").click()
+    type_in(page, "# mine\n")
+    page.get_by_role("button", name="Link").click()
+    page.locator(".ws-status", has_text="Copied").wait_for()
+    link = page.evaluate("navigator.clipboard.readText()")
+    type_in(page, "# another\n")
+    page.goto(link)
+    page.locator(".cm-line:visible", has_text="mine").wait_for()
+    page.reload()
+    page.locator(".cm-line:visible", has_text="mine").wait_for()
+    page.get_by_role("button", name="detection_client.py").click()
+    assert "never waits for it" in typed(page)
+    page.get_by_label("Earlier versions").select_option(index=1)
+    assert "never waits for it" in typed(page)
+    page.get_by_role("button", name="detection_server.py").click()
+    assert "# another" in typed(page)
+    assert axe(page) == []

@@ -18,7 +18,6 @@ KEPT_BACK = {  # commands of the pages without a button, and why
     "bags": "it writes a bag",
     "launch_files": "a launch file starts programs that are not on the page",
     "models": "a model in a file, and scikit-learn",
-    "parameters": "its scenario belongs to exercise 10, which has no workspace",
     "why": "the skeleton of exercise 1, which no page shows",
 }
 
@@ -95,6 +94,7 @@ def test_a_button_carries_the_listing_as_it_is(site: Path) -> None:
     threads = [place["data-file"] for place in Places(site / "real_time.html").found
                if "data-threads" in place]  # fmt: skip
     assert threads == ["beat.py"] * 4
+    assert all("data-threads" in place for place in Places(site / "parameters.html").found)
 
 
 @pytest.mark.skipif(not MADE.is_file(), reason="the site has no workspace: run `make workspace`")

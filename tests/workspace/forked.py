@@ -7,16 +7,42 @@ what the page says of the drive. The recordings stay in FOLDER.
 
 from __future__ import annotations
 
+import collections
 import json
 import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from greenlet import getcurrent, greenlet
+
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "workspace" / "stand_ins"), str(ROOT)]
 
 from workspace import runtime  # noqa: E402
+
+
+class Greenlets:
+    """Stacks that wait for one another, as the worker has them of promises (web/worker.js)."""
+
+    def __init__(self) -> None:
+        self._waiting: dict[int, greenlet] = {}
+        self._ready: collections.deque[greenlet] = collections.deque()
+        self._hub = greenlet(self._go_on)
+
+    def begin(self, number: int) -> None:
+        self._ready.append(greenlet(lambda: warm.thread(number), self._hub))
+
+    def wait(self, number: int) -> None:
+        self._waiting[number] = getcurrent()
+        self._hub.switch()
+
+    def wake(self, number: int) -> None:
+        self._ready.append(self._waiting.pop(number))
+
+    def _go_on(self) -> None:
+        while True:
+            self._ready.popleft().switch()
 
 
 def forked(call: Callable[[str], str], **order: object) -> str:
@@ -47,8 +73,8 @@ def graded(page: runtime.Runtime, order: dict[str, object], scenarios: list[str]
         trial = {"file": order["file"], "others": order["others"], "scenario": scenario}
         trial["interrupt"] = number == 0
         outcome = json.loads(forked(page.trial, **trial))
-        if "lead" in outcome:
-            forked(page.trial, **trial, **outcome)
+        while "lead" in outcome:
+            outcome = json.loads(forked(page.trial, **trial, **outcome))
     return forked(page.judge, exercise=order["exercise"], file=order["file"], scenarios=scenarios)
 
 
@@ -64,7 +90,7 @@ def driven(page: runtime.Runtime, order: dict[str, object]) -> str:
 
 
 if __name__ == "__main__":
-    warm = runtime.warm(sys.argv[1])
+    warm = runtime.warm(sys.argv[1], browser=Greenlets())
     for line in sys.stdin:
         each = json.loads(line)
         print(driven(warm, each) if "arguments" in each else graded(warm, each, each["scenarios"]),

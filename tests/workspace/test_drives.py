@@ -39,6 +39,7 @@ DRIVEN = [
     ("emergency_stop", "gate.py --scenario safe_e_stop --duration 14"),
     ("turtlebot", "first_metres.py --scenario demo_wall --duration 5 --param stamped:=false"),
     ("plans", "errand.py --scenario demo_open --duration 25"),
+    ("parameters", "adjustable.py --scenario live_knob"),
     ("index", "wander.py --scenario demo_store --seed 1 --duration 40"),
     # what goes wrong before a drive
     ("loop", "one_beam_agent.py"),

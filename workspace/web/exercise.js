@@ -1,10 +1,11 @@
 // The workspace of an exercise's page: its scenarios, and the grader's checks.
 
 import { el } from './element.js';
-import { showChanges } from './shelf.js';
+import { showChanges, split } from './shelf.js';
 import { Workspace, button } from './workspace.js';
 
 const JUDGE_EVERY = 2; // [s] while a check drives on: each time costs about half a second
+const GREEN = ['pass', 'unavailable'];
 const OUTCOMES = {
   pass: '✓ passed', fail: '✗ failed', skip: '– not judged', error: '! the grader failed', inconclusive: '? undecided',
   unavailable: '– not available',
@@ -25,12 +26,17 @@ function options(titles) {
   return Object.entries(titles).map(([name, title]) => el('option', { value: name }, `${name}: ${title}`));
 }
 
+/** Say which points can be won here: a check without scenarios needs a library that no page has. */
+export function pointsHere({ checks, points }) {
+  const here = checks.reduce((sum, check) => sum + (check.scenarios.length ? check.points : 0), 0);
+  if (here === points) return `${points} points can be won here.`;
+  return `${here} of the ${points} points can be won here; the others need libraries such as scikit-learn, and the installed course.`;
+}
+
 export class Exercise extends Workspace {
-  constructor(plan, demos, machine) {
-    const [file] = plan.files;
+  constructor(plan, words, demos, machine) {
     super({
-      what: 'exercise', file, skeleton: plan.skeleton[file], origin: 'the skeleton', shelf: plan.slug, words: plan.words,
-      threads: plan.threads,
+      what: 'exercise', skeletons: plan.skeleton, origin: 'the skeleton', shelf: plan.slug, words, threads: plan.threads,
     }, machine);
     this.plan = plan;
     this.recordings = {}; // of the last check, by their files
@@ -40,7 +46,7 @@ export class Exercise extends Workspace {
       el('optgroup', { label: 'To try things' }, options(demos)));
     this.exit = this.scenario;
     this.seed = el('input', { id: 'ws-seed', type: 'number', min: 0, max: 1000000, placeholder: 'its own' });
-    this.score = el('div', { class: 'ws-score' }, `Practice: ${plan.points} points can be won here. `
+    this.score = el('div', { class: 'ws-score' }, `Practice: ${pointsHere(plan)} `
       + 'Your instructor’s grade comes from the real rclpy on Linux.');
     this.changesButton = button('Changes', () => this.changes(), { title: 'Since the last version that passed all checks' });
     this.build({
@@ -73,36 +79,39 @@ export class Exercise extends Workspace {
   trial(hand, scenario, text, more) { return this.run(hand, 'trial', { others: this.plan.files, scenario, ...more }, text); }
 
   drive() {
+    if (this.busy || !this.isThere()) return null;
     if (!this.seed.checkValidity()) {
       this.say('The seed is a whole number from 0 to 1000000.');
       return null;
     }
     const scenario = this.scenario.value;
     const seed = this.seed.value === '' ? {} : { seed: Number(this.seed.value) };
-    this.editor.mark(0);
+    this.unmark();
     return this.work(async () => {
       const hand = await this.machine.ready();
-      hand.doing = `Driving in ${scenario}`;
+      const isOwn = !this.names[1] || scenario in this.plan.scenarios; // and names its programs
+      const file = isOwn ? this.names[0] : this.file;
+      hand.doing = isOwn ? `Driving in ${scenario}` : `Driving ${file} in ${scenario}`;
       this.say(`${hand.doing} …`);
-      const [ended, recordings] = await this.trial(hand, scenario, this.editor.text, seed);
+      const [ended, recordings] = await this.trial(hand, scenario, this.text, { file, ...seed });
       this.show('replay');
       return this.showDrive(ended, scenario, recordings, this.plan.title);
     });
   }
 
   check() {
-    if (this.busy) return null;
-    this.editor.mark(0);
+    if (this.busy || !this.isThere()) return null;
+    this.unmark();
     Object.values(this.rows).forEach(({ fill }) => fill(null));
     this.score.replaceChildren();
     [this.judged, this.stale.hidden] = [undefined, true];
     return this.work(async () => {
-      const text = this.editor.text;
+      const { text } = this;
       await this.driveAll(text);
       this.say('Judging …');
       const grading = await this.judge(await this.machine.ready());
       this.fill(grading, this.plan.checks.map(({ id }) => id));
-      this.shelf.add(text, `${grading.score} of ${grading.max_score}`, grading.checks.every(({ outcome }) => outcome === 'pass'));
+      this.shelf.add(text, `${grading.score} of ${grading.max_score}`, grading.checks.every(({ outcome }) => GREEN.includes(outcome)));
       this.listVersions();
       this.speakOf(text);
       await this.tell(grading);
@@ -115,6 +124,7 @@ export class Exercise extends Workspace {
     const { checks } = this.plan;
     const wanted = [...new Set(checks.flatMap((check) => check.scenarios))];
     const left = [...wanted];
+    const [interrupted] = Object.keys(this.plan.scenarios); // as the grader does
     let [shown, last] = [0, performance.now()];
     this.recordings = {};
     await this.machine.together(async (hand) => {
@@ -123,7 +133,7 @@ export class Exercise extends Workspace {
       const number = wanted.length - left.length;
       hand.doing = `Run ${number} of ${wanted.length}, ${scenario}`;
       this.say(`${hand.doing} …`);
-      const [, recordings] = await this.trial(hand, scenario, text, { interrupt: number === 1 });
+      const [, recordings] = await this.trial(hand, scenario, text, { interrupt: scenario === interrupted });
       Object.assign(this.recordings, recordings);
       const open = checks.findIndex((check) => !check.scenarios.every((name) => `${name}.pickle` in this.recordings));
       if (performance.now() - last > JUDGE_EVERY * 1000 && open > shown) {
@@ -136,7 +146,7 @@ export class Exercise extends Workspace {
   }
 
   async judge(hand, only = []) {
-    const order = { exercise: this.plan.slug, file: this.file, scenarios: this.driven, only };
+    const order = { exercise: this.plan.slug, file: this.names[0], scenarios: this.driven, only };
     return (await hand.call('judge', order, { recordings: this.recordings }))[0];
   }
 
@@ -167,13 +177,14 @@ export class Exercise extends Workspace {
     const state = el('span', { class: 'ws-state' });
     const detail = el('div', { class: 'ws-detail' });
     const title = el('span', { class: 'ws-title' });
+    const atFirst = check.scenarios.length ? '' : 'unavailable';
     const row = el('li', { 'data-check': check.id },
       el('div', { class: 'ws-row' }, state, title,
         el('span', { class: 'ws-points' }, `${check.points}`)), detail);
     const fill = (result) => {
-      row.dataset.outcome = result ? result.outcome : '';
+      row.dataset.outcome = result ? result.outcome : atFirst;
       title.textContent = (result || check).title; // one that failed at its door is called by that
-      state.textContent = result ? OUTCOMES[result.outcome] : '○ open';
+      state.textContent = OUTCOMES[result ? result.outcome : atFirst] ?? '○ open';
       detail.replaceChildren(...(result && result.outcome !== 'pass' ? this.details(result) : []));
     };
     fill(null);
@@ -250,9 +261,10 @@ export class Exercise extends Workspace {
   changes() {
     const { text, at } = this.shelf.green;
     const since = `what passed all checks on ${new Date(at).toLocaleString()}`;
-    const same = text === this.editor.text;
-    this.score.replaceChildren(el('p', {}, same ? `This is ${since}.` : `Changed since ${since}:`),
-      same ? '' : showChanges(text, this.editor.text));
+    const [before, after] = [text, this.text].map((each) => split(each, this.skeletons));
+    const changed = this.names.filter((name) => before[name] !== after[name]);
+    this.score.replaceChildren(el('p', {}, changed.length ? `Changed since ${since}:` : `This is ${since}.`),
+      ...changed.flatMap((name) => [this.names[1] ? el('p', {}, name) : '', showChanges(name, before[name], after[name])]));
     this.show('result');
     this.score.scrollIntoView();
   }

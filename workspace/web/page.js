@@ -34,10 +34,11 @@ async function beExercise(block) {
     words.textContent = 'The workspace is not running: the server did not send all of it. Reload the page.';
     return;
   }
-  const [{ plan, machine }, { Exercise }] = all;
-  const workspace = new Exercise(plan.exercises[block.dataset.exercise], plan.demos, machine);
-  words.textContent = 'Write the node here, drive it and have it checked, in this '
-    + 'browser: nothing is installed, and nothing leaves this machine. The first visit fetches 12 MB.';
+  const [{ plan, machine }, { Exercise, pointsHere }] = all;
+  const exercise = plan.exercises[block.dataset.exercise];
+  const workspace = new Exercise(exercise, { ...exercise.words, ...plan.methods }, plan.demos, machine);
+  words.textContent = 'Write the node here, drive it and have it checked, in this browser: nothing is installed, and '
+    + `nothing leaves this machine. The first visit fetches 12 MB. ${pointsHere(exercise)}`;
   block.querySelector('.workspace-open').replaceChildren(
     el('button', { type: 'button', class: 'ws-main', onclick: () => workspace.open() }, 'Open the workspace'));
   follow((hash) => {
@@ -52,7 +53,7 @@ const programs = new Map(); // by the page and the file of their listing
 async function programOf({ page, file, code, threads }) {
   const [{ plan, machine }, { Program }] = await Promise.all([load(), import(new URL('program.js', HERE))]);
   const key = `${page}/${file}`;
-  const words = Object.assign({}, ...Object.values(plan.exercises).map((exercise) => exercise.words));
+  const words = Object.assign({}, ...Object.values(plan.exercises).map((exercise) => exercise.words), plan.methods);
   if (!programs.has(key)) programs.set(key, new Program({ page, file, code, threads }, words, machine));
   return programs.get(key);
 }

@@ -10,7 +10,7 @@ const MEASURED = /^ {2}Compute: .*(\n\S.*)*/m; // differs each time, and where i
 export class Program extends Workspace {
   constructor({ page, file, code, threads }, words, machine) {
     super({
-      what: 'program', file, skeleton: code, origin: 'the listing', shelf: `${page}/${file}`, words,
+      what: 'program', skeletons: { [file]: code }, origin: 'the listing', shelf: `${page}/${file}`, words,
       threads: threads !== undefined,
     }, machine);
     this.before = null; // lines of the last drive
@@ -53,14 +53,14 @@ export class Program extends Workspace {
   }
 
   drive() {
-    if (this.busy || this.whyNot) return null;
-    this.editor.mark(0);
+    if (this.busy || this.whyNot || !this.isThere()) return null;
+    this.unmark();
     stand(this.hash);
     return this.work(async () => {
       const hand = await this.machine.ready();
       hand.doing = `Driving ${this.file}`;
       this.say(`${hand.doing} …`);
-      const [{ text }, changed] = [this.editor, this.isChanged];
+      const [text, changed] = [this.text, this.isChanged];
       const [ended, recordings] = await this.run(hand, 'drive', { arguments: this.line.value }, text);
       this.speakOf(text);
       this.tell(ended.printed, changed);

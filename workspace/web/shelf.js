@@ -1,9 +1,25 @@
-// What was typed, its versions, and what is different between two.
+// What was typed, its versions, and what is different between two. Several files are one text, each behind its name.
 
 import { el } from './element.js';
 
 const KEPT = 20; // versions
 const AROUND = 2; // lines around a change
+
+/** Return the text of several files, by their names; one file is its own text. */
+export function joined(files) {
+  const [first, ...more] = Object.entries(files);
+  return more.length ? [first, ...more].map(([name, text]) => `\f# ${name}\n${text}`).join('\n') : first[1];
+}
+
+/** Return the files of a text; those that it does not have are the skeletons'. */
+export function split(text, skeletons) {
+  const names = Object.keys(skeletons);
+  const [start, ...parts] = text.split(/(?:^|\n)\f# (.+)\n/);
+  if (names.length === 1 || !parts.length) return { ...skeletons, [names[0]]: text };
+  const found = { ...skeletons };
+  for (let i = 0; i < parts.length; i += 2) if (parts[i] in found) found[parts[i]] = parts[i + 1];
+  return found;
+}
 
 /** The reader's text and versions of it, kept by the browser; `works` is false where it keeps nothing. */
 export class Shelf {
@@ -78,11 +94,11 @@ function compared(before, after) {
   return lines;
 }
 
-/** Show what has changed, with a few lines around it. */
-export function showChanges(before, after) {
+/** Show what has changed in a file, with a few lines around it. */
+export function showChanges(name, before, after) {
   const lines = compared(before, after);
   const near = (i) => lines.slice(Math.max(0, i - AROUND), i + AROUND + 1).some(([sign]) => sign !== ' ');
   const shown = lines.map(([sign, line], i) => (near(i) ? el('span', { 'data-sign': sign }, `${sign} ${line}\n`) : null));
-  return el('pre', { class: 'ws-changes', tabindex: 0, 'aria-label': 'Changes' },
+  return el('pre', { class: 'ws-changes', tabindex: 0, 'aria-label': `Changes in ${name}` },
     shown.filter((line, i) => line || shown[i - 1]).map((line) => line || el('span', {}, '⋯\n')));
 }

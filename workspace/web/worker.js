@@ -98,8 +98,9 @@ async function load(manifest) {
     },
   });
   globalThis.fetch = plainFetch;
-  forgetTheSite();
-  for (const name of ['packages.pack', 'course.pack']) unpack(new Uint8Array(await inflated(await files[name]).arrayBuffer()));
+  const packs = await Promise.all(['packages.pack', 'course.pack'].map((name) => files[name]));
+  forgetTheSite(); // what came wrong has been asked for again by now
+  for (const pack of packs) unpack(new Uint8Array(await inflated(pack).arrayBuffer()));
   [FOLDER, RECORDINGS].forEach((folder) => python.FS.mkdirTree(folder));
   say('Starting rclpy, the robot and the judge …');
   globalThis.reached = (seconds) => postMessage({ kind: 'reached', seconds });

@@ -5,7 +5,7 @@ import { el } from './element.js';
 import { keepForLater } from './keep.js';
 import { packed, stand, unpacked } from './links.js';
 import { PATIENCE, Stopped } from './machine.js';
-import { Shelf } from './shelf.js';
+import { Shelf, joined, split } from './shelf.js';
 
 const HERE = new URL('.', import.meta.url);
 const FOLDER = '/home/reader'; // where the worker puts the node
@@ -45,11 +45,14 @@ async function editorBundle() {
 
 export class Workspace {
   /**
-   * Make one: its `what` ("exercise"), the `file`, the `skeleton` that *Reset* brings back and its `origin`, the `shelf`
-   * that keeps what is typed, `words` that the editor offers, and whether `threads` are needed.
+   * Make one: its `what` ("exercise"), the `skeletons` that *Reset* brings back, by their files, and their `origin`, the
+   * `shelf` that keeps what is typed, `words` that the editor offers, and whether `threads` are needed.
    */
-  constructor({ what, file, skeleton, origin, shelf, words, threads }, machine) {
-    Object.assign(this, { file, skeleton, origin, words, machine });
+  constructor({ what, skeletons, origin, shelf, words, threads }, machine) {
+    Object.assign(this, { skeletons, origin, words, machine });
+    this.names = Object.keys(skeletons);
+    [this.file] = this.names; // that is shown
+    this.editors = {};
     this.shelf = new Shelf(shelf);
     this.whyNot = whyNot(what, threads);
     this.busy = false;
@@ -66,6 +69,8 @@ export class Workspace {
     this.versions = el('select', { 'aria-label': 'Earlier versions', onchange: () => this.restore() });
     this.code = el('div', { class: 'ws-code', 'data-pane': 'code', onkeydown: (event) => this.leave(event) },
       el('p', { class: 'ws-keys' }, KEYS));
+    this.fileTabs = this.names.map((name) => button(name, () => this.showFile(name), { 'aria-pressed': 'false' }));
+    if (this.names.length > 1) this.code.append(el('nav', { class: 'ws-files', 'aria-label': 'Files' }, this.fileTabs));
     this.replay = el('div', { class: 'ws-replay', 'data-pane': 'replay' }, el('p', { class: 'ws-empty' }, empty));
     this.log = el('pre', { class: 'ws-log', hidden: true, tabindex: 0, 'aria-label': 'What Python said' });
     this.stale = el('p', { class: 'ws-stale', hidden: true }, 'Said before your last change:');
@@ -80,14 +85,14 @@ export class Workspace {
         el('div', { class: 'ws-tools' }, tools),
         el('div', { class: 'ws-tools ws-file' },
           this.versions, fileTools,
-          button('Reset', () => this.reset(), { title: `Begin with ${this.origin} again` }),
+          button('Reset', () => this.reset(), { title: `Begin with ${this.origin} again${this.names[1] ? ', in this file' : ''}` }),
           button('Link', () => this.share(), { title: 'A link that carries your code' }),
-          button('Download', () => this.download(), { title: this.file })),
+          button('Download', () => this.download(), { title: this.names[1] ? 'The file that is shown' : this.file })),
         button('Close', () => this.dialog.close(), { class: 'ws-close' })),
       el('div', { class: 'ws-news' }, this.status, this.stopButton, this.question),
       el('nav', { class: 'ws-tabs', 'aria-label': 'Show' }, this.tabs),
       el('div', { class: 'ws-panes' }, this.code, this.replay,
-        el('div', { class: 'ws-result', 'data-pane': 'result' }, this.stale, result, this.log)));
+        el('div', { class: 'ws-result', 'data-pane': 'result', role: 'region', tabindex: 0, 'aria-label': names[2] }, this.stale, result, this.log)));
     document.body.append(this.dialog);
     this.mains = [...this.dialog.querySelectorAll('.ws-main')];
     this.listVersions();
@@ -129,22 +134,32 @@ export class Workspace {
   }
 
   async makeEditor() {
-    const text = this.shelf.text ?? this.skeleton;
-    const label = `Your node, ${this.file}. Tab leaves the editor.`;
+    const files = split(this.shelf.text ?? this.skeleton, this.skeletons);
     const onChange = () => {
       this.changed = true;
-      this.stale.hidden = this.judged === undefined || this.judged === this.editor.text;
-      this.shelf.text = this.isChanged ? this.editor.text : null;
+      this.stale.hidden = this.judged === undefined || this.judged === this.text;
+      this.shelf.text = this.isChanged ? this.text : null;
     };
-    try {
-      bundle ??= await editorBundle();
-      this.editor = bundle.makeEditor({ parent: this.code, text, label, onChange, keys: this.keys, words: this.words });
-    } catch {
-      this.editor = plainEditor(this.code, text, label, onChange);
+    bundle ??= await editorBundle().catch(() => null);
+    const make = bundle?.makeEditor || plainEditor;
+    for (const [name, text] of Object.entries(files)) {
+      const parent = el('div', { class: 'ws-text', 'data-file': name });
+      this.code.append(parent);
+      const label = `Your node, ${name}. Tab leaves the editor.`;
+      this.editors[name] = make({ parent, text, label, onChange, keys: this.keys, words: this.words });
     }
+    this.showFile(this.file);
   }
 
-  get isChanged() { return this.editor.text !== this.skeleton; }
+  /** The editor of the file that is shown. */
+  get editor() { return this.editors[this.file]; }
+
+  /** What stands in the editors, as one text. */
+  get text() { return joined(Object.fromEntries(this.names.map((name) => [name, this.editors[name].text]))); }
+
+  get skeleton() { return joined(this.skeletons); }
+
+  get isChanged() { return this.text !== this.skeleton; }
 
   get keys() { return { 'Ctrl-Enter': () => this.drive() }; }
 
@@ -157,7 +172,13 @@ export class Workspace {
   /** Note of which text the third pane speaks. */
   speakOf(text) {
     this.judged = text;
-    this.stale.hidden = text === this.editor.text;
+    this.stale.hidden = text === this.text;
+  }
+
+  showFile(name) {
+    this.file = name;
+    this.code.querySelectorAll('.ws-text').forEach((part) => { part.hidden = part.dataset.file !== name; });
+    this.fileTabs.forEach((tab) => tab.setAttribute('aria-pressed', String(tab.textContent === name)));
   }
 
   show(name) {
@@ -190,6 +211,15 @@ export class Workspace {
   enable() { this.mains.forEach((main) => { main.disabled = this.busy || Boolean(this.whyNot); }); }
 
   // --- what is done
+
+  /** Say that a file is empty, if one is; return whether all can be run. */
+  isThere() {
+    const empty = this.names.find((name) => !this.editors[name].text.trim());
+    if (!empty) return true;
+    this.showFile(empty);
+    this.say(`${empty} is empty: Reset begins with ${this.origin} again.`);
+    return false;
+  }
 
   /** Do what takes the worker's time, unless something is under way; return when that has ended. */
   work(task, done) {
@@ -224,11 +254,12 @@ export class Workspace {
     this.stopButton.hidden = this.question.hidden = true;
   }
 
-  /** Run a node's text, by a `call` of workspace.runtime.Runtime; return what it says, and its recording. */
-  async run(hand, call, order, text) {
-    const files = { [this.file]: text };
-    const [ended, recordings] = await hand.call(call, { file: `${FOLDER}/${this.file}`, ...order }, { files });
-    return ended.lead ? this.run(hand, call, { ...order, lead: ended.lead }, text) : [ended, recordings];
+  /** Run a text's `file`, by a `call` of workspace.runtime.Runtime; return what it says, and its recording. */
+  async run(hand, call, order, text, kept = {}) {
+    const { file = this.names[0] } = order;
+    const files = split(text, this.skeletons);
+    const [ended, recordings] = await hand.call(call, { ...order, file: `${FOLDER}/${file}` }, { files, recordings: kept });
+    return 'lead' in ended ? this.run(hand, call, { ...order, lead: ended.lead }, text, recordings) : [ended, recordings];
   }
 
   /** Show the replay of a drive; return in a sentence how it ended. */
@@ -248,11 +279,19 @@ export class Workspace {
   }
 
   /** Mark the line that was being run when a check failed, or the one that led to the last message before. */
-  mark({ where, line, message }) {
-    const died = /line (\d+)/.exec(where || '');
-    if (died) this.editor.mark(Number(died[1]), message);
-    else this.editor.mark(line || 0, `${message}. The last message before that came from this line.`);
+  mark({ where, file, line, message }) {
+    this.unmark();
+    const died = [...(where || '').matchAll(/line (\d+)(?: of ([^\s,]+))?/g)].find(([, , of = this.file]) => of in this.editors);
+    if (died) this.markLine(Number(died[1]), message, died[2]);
+    else if (line) this.markLine(line, `${message}. The last message before that came from this line.`, file);
   }
+
+  markLine(line, message, file = this.file) {
+    this.showFile(file);
+    this.editor.mark(line, message);
+  }
+
+  unmark() { Object.values(this.editors).forEach((editor) => editor.mark(0)); }
 
   // --- the file
 
@@ -269,21 +308,21 @@ export class Workspace {
     this.versions.value = '';
   }
 
-  reset() { this.replace(this.skeleton); }
+  reset() { this.replace(joined({ ...split(this.text, this.skeletons), [this.file]: this.skeletons[this.file] })); }
 
-  /** Put another text into the editor; what was there stays among the versions. */
+  /** Put another text into the editors; what was there stays among the versions. */
   replace(text) {
-    const before = this.editor.text;
+    const before = this.text;
     const isKept = before === this.skeleton || this.shelf.versions.some((version) => version.text === before);
     if (!isKept) this.shelf.add(before, 'put aside');
-    this.editor.text = text;
+    for (const [name, part] of Object.entries(split(text, this.skeletons))) this.editors[name].text = part;
     this.listVersions();
     if (before !== this.skeleton && before !== text) this.say('What was here before is among the versions.');
   }
 
   /** Copy a link that carries the code. */
   async share() {
-    const hash = `${this.hash}&code=${await packed(this.editor.text)}`;
+    const hash = `${this.hash}&code=${await packed(this.text)}`;
     const link = location.href.split('#')[0] + hash;
     if (link.length > LONGEST) {
       this.say('Your code is too long for a link. Download the file, and send that.');
@@ -313,7 +352,7 @@ export class Workspace {
 }
 
 /** A plain field, where the editor can't be had. */
-function plainEditor(parent, text, label, onChange) {
+function plainEditor({ parent, text, label, onChange }) {
   const area = el('textarea', { 'aria-label': label, spellcheck: 'false', autocapitalize: 'off', oninput: onChange });
   area.value = text;
   parent.append(area);

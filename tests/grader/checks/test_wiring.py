@@ -1,10 +1,14 @@
 """Each way in which a node may not be wired has its own diagnosis."""
 
+from pathlib import Path
+
 import pytest
 from node_runs import RunNode, short
 
 from grader.checks.verdict import CheckFailed
 from grader.checks.wiring import require_alive, require_wiring
+from grader.course.submission import find_submission
+from grader.trial.virtual_time import run_trial
 
 NODE = """
 class Agent(Node):
@@ -78,3 +82,15 @@ def test_a_program_that_never_makes_a_node_is_asked_for_its_main(run_node: RunNo
     with pytest.raises(CheckFailed) as failed:
         require_alive(run_node("def main():\n    rclpy.init()\n", short(0.5)))
     assert "It never made a node" in str(failed.value.help)
+
+
+@pytest.mark.parametrize(("source", "help"), [("", ""), ("# \udce4\n", "look at the line")])
+def test_a_line_is_looked_at_only_where_one_is_named(
+    tmp_path: Path, source: str, help: str
+) -> None:
+    file = tmp_path / "agent.py"
+    file.write_bytes(source.encode("utf-8", "surrogateescape"))
+    with pytest.raises(CheckFailed) as failed:
+        require_alive(run_trial(find_submission(file), short(0.5), None))  # type: ignore[arg-type]
+    assert help in failed.value.help
+    assert bool(failed.value.help) == bool(help)

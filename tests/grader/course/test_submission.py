@@ -119,8 +119,8 @@ def test_a_file_that_can_not_be_read(agent: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "problem"),
     [
-        (b"", "the file is empty"),
-        (b"\n \t\r\n", "the file is empty"),
+        (b"", "the file is empty: was it saved?"),
+        (b"\n \t\r\n", "the file is empty: was it saved?"),
         (b"#" * (MAX_SIZE + 1), "the file has 1,048,577 bytes; at most 1,048,576 are read"),
         (b"#" * MAX_SIZE, ""),
         (b"\xff", "line 1 has a letter that is not UTF-8; save the file as UTF-8 in your editor"),
