@@ -182,7 +182,7 @@
   // On a phone a row of a wide table is a card; roles, since a table that is no table loses its own
   for (const table of all('article table.docutils')) {
     const names = all('thead th', table).map((head) => head.textContent);
-    if (names.length < 4) continue;
+    if (names.length < 4 && table.scrollWidth <= article.clientWidth) continue;
     table.classList.add('is-wide');
     table.setAttribute('role', 'table');
     for (const row of all('tbody tr', table)) {
