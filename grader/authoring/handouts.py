@@ -12,7 +12,7 @@ import tempfile
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
-from grader.course.exercises import ROOT, Exercise, all_exercises
+from grader.course.exercises import ROOT, all_exercises
 from grader.errors import GraderError, InputError
 from grader.nbgrader.cells import definition
 
@@ -31,7 +31,7 @@ def handouts(left_out: Collection[str] = ()) -> dict[str, bytes]:
     Parameters
     ----------
     left_out
-        Slugs of exercises that are not released: notebooks with one of them are left out. The site
+        Slugs of exercises that are not released: their notebooks are left out, too. The site
         is one lesson and has the tasks of all, but no skeletons of these.
 
     Raises
@@ -90,35 +90,9 @@ def notebooks(work: Path) -> dict[str, bytes]:
 
 
 def without(notebooks: Mapping[str, bytes], left_out: Collection[str]) -> dict[str, bytes]:
-    """Return the notebooks without those that hold one of these exercises (slugs)."""
+    """Return the notebooks without those of these exercises (slugs)."""
     files = {name for e in all_exercises() if e.slug in left_out for name in e.files}
     return {path: data for path, data in notebooks.items() if files.isdisjoint(made_by(data))}
-
-
-def stay_behind(left_out: Collection[str]) -> Iterator[str]:
-    """Yield a sentence for each notebook that has a chosen exercise and stays behind all the same.
-
-    Parameters
-    ----------
-    left_out
-        Slugs of the exercises that are not released.
-    """
-    from grader.notebook.build import all_notebooks, source_of  # noqa: PLC0415  (Jupyter: 1 s)
-
-    for name in all_notebooks():
-        files = made_by(source_of(name).read_bytes())
-        inside = [exercise for exercise in all_exercises() if not files.isdisjoint(exercise.files)]
-        chosen = [exercise for exercise in inside if exercise.slug not in left_out]
-        others = [exercise for exercise in inside if exercise.slug in left_out]
-        if chosen and others:
-            yield (
-                f"the notebook {name} has exercise {_numbers(chosen)}, but stays behind because it "
-                f"has exercise {_numbers(others)}, too"
-            )
-
-
-def _numbers(exercises: Collection[Exercise]) -> str:
-    return " and ".join(str(exercise.number) for exercise in exercises)
 
 
 def made_by(notebook: bytes) -> set[str]:

@@ -22,6 +22,8 @@ from sim.messages import CMD_VEL_TOPIC, TWIST_STAMPED
 AHEAD = 45.0  # [°] to either side, for the nodes that stop at a wall
 STOP = 0.8  # [m] closer than this they stop
 MAX_SPEED = 0.5  # [m/s] of the nodes with a model
+BEAT = 0.4  # [s] longer than eight ticks of its timer a node is silent
+SLOW = 0.05  # [m/s] slower than this a robot as good as stands
 SILENCE = 10  # scans or commands, and the robot still stands
 TURNS_ON = 0.3  # [rad/s] faster than this it is not just correcting its heading
 
@@ -122,6 +124,26 @@ def falls_silent(recording: Recording) -> Iterator[Moment]:
             f"nothing on /cmd_vel; the robot rolls on at {speed:.2f} m/s",
         )
         break
+    yield from touches(recording)
+
+
+def loses_its_beat(recording: Recording) -> Iterator[Moment]:
+    """Something is less than 0.8 m ahead, the robot drives, and no command has come for long."""
+    commands, truth = recording.twists().t, recording.truth
+    for scan in recording.scans():
+        distance = front_distance(scan, AHEAD)
+        speed = float(np.interp(scan.t, truth.t / 1e9, truth.v))
+        before = commands[commands <= scan.t]
+        if distance is None or distance >= STOP or speed < SLOW or not len(before):
+            continue
+        if (silent := scan.t - float(before[-1])) > BEAT:
+            yield Moment(
+                scan.t,
+                "Whatever the model does, commands keep their beat.",
+                f"a stop by now: {distance:.2f} m ahead",
+                f"no command for {silent:.2f} s; the robot drives on at {speed:.2f} m/s",
+            )
+            break
     yield from touches(recording)
 
 

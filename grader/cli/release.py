@@ -56,7 +56,7 @@ def release(
     """
     from grader.authoring import github  # noqa: PLC0415
     from grader.authoring.carried import built_wheel, carried, what_lacks  # noqa: PLC0415
-    from grader.authoring.handouts import handouts, stay_behind  # noqa: PLC0415
+    from grader.authoring.handouts import handouts  # noqa: PLC0415
     from grader.authoring.release import drafts  # noqa: PLC0415
     from grader.authoring.release import release as make_release  # noqa: PLC0415
     from grader.course.exercises import all_exercises, find_exercise  # noqa: PLC0415
@@ -79,9 +79,6 @@ def release(
         echo(f"Note: {draft} stays here: git does not know it.", err=True)
     for leak in found:
         echo(f"Note: {leak}; hand it out after that exercise (--exercise).", err=True)
-    left_out = {e.slug for e in all_exercises()} - {e.slug for e in released}
-    for said in () if plain else stay_behind(left_out):
-        echo(f"Note: {said}.", err=True)
     if not plain and (lacks := what_lacks(wheel, source)):
         echo(f"Note: {lacks}.", err=True)
     echo(f"Students' material: {folder}")

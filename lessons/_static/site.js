@@ -92,7 +92,9 @@
   const tell = (frame) => frame.contentWindow?.postMessage({ theme: document.body.dataset.theme, fit: true }, '*');
   window.addEventListener('message', ({ data, source }) => {
     const frame = frames().find(({ contentWindow }) => contentWindow === source);
-    if (frame && data && Number.isFinite(data.height)) frame.style.height = `${Math.min(data.height, 2400)}px`;
+    if (!frame || !data || !Number.isFinite(data.height)) return;
+    frame.style.height = `${Math.min(data.height, 2400)}px`;
+    frame.parentElement.classList.add('is-loaded');
   });
   const follow = (frame) => {
     frame.addEventListener('load', () => tell(frame));
@@ -175,6 +177,18 @@
     });
     copy.setAttribute('aria-label', 'Copy this block');
     block.append(copy);
+  }
+
+  // On a phone a row of a wide table is a card; roles, since a table that is no table loses its own
+  for (const table of all('article table.docutils')) {
+    const names = all('thead th', table).map((head) => head.textContent);
+    if (names.length < 4 && table.scrollWidth <= article.clientWidth) continue;
+    table.classList.add('is-wide');
+    table.setAttribute('role', 'table');
+    for (const row of all('tbody tr', table)) {
+      row.setAttribute('role', 'row');
+      [...row.cells].forEach((cell, i) => { cell.setAttribute('role', 'cell'); cell.dataset.name = names[i]; });
+    }
   }
 
   const scrolls = new ResizeObserver((entries) => entries.forEach(({ target }) => {

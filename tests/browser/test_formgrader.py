@@ -38,7 +38,7 @@ pytestmark = [
     pytest.mark.skipif(not FULL, reason="formgrader in a browser: make notebooks"),
 ]
 NAME = "01_loop"
-QUIZ = "07_quiz"
+QUIZ = "quiz"
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"
 MISTAKE = "slow_is_too_fast"  # one of exercise 1's mutants

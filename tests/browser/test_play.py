@@ -159,3 +159,8 @@ def test_percentiles_are_numpy_s(compute: Compute, slow: int) -> None:
     assert told["mean"] == pytest.approx(calls.mean())
     shown = [told[name] for name in ("p50", "p95", "p99")]
     assert shown == pytest.approx(np.percentile(calls, [50, 95, 99]).tolist())
+    if slow == 7:  # what the page's program prints
+        page = (LESSONS / "real_time.md").read_text("utf-8")
+        assert f"mean {told['mean']:.0f} ms, worst {calls.max():.0f} ms\n" in page
+        for share in (50, 95, 99):
+            assert f"\np{share} {told[f'p{share}']:.0f} ms\n" in page

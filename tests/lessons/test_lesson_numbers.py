@@ -155,6 +155,18 @@ def test_page_writes_no_number_of_the_contract_by_hand(page: Path) -> None:
     assert by_hand == [], "use {contract}`key`, or say in BY_HAND why not"
 
 
+def test_the_ways_of_the_front_page_add_up_and_their_pages_say_the_same() -> None:
+    parts = re.split(r"(?m)^## ", (LESSONS / "index.md").read_text("utf-8"))
+    ways = [part for part in parts if re.match(r"The .*lesson,? in \d+ minutes", part)]
+    assert len(ways) == 2
+    for way in ways:
+        rows = re.findall(r"(?m)^\| (?:\[[^|]+\]\((\w+)\.md\)|This page) \| *(\d*) *\|", way)
+        assert sum(int(minutes or 0) for _, minutes in rows) == int(re.findall(r"\d+", way)[0])
+        for page, minutes in rows:
+            text = (LESSONS / f"{page}.md").read_text("utf-8") if page else ""
+            assert not (page and minutes) or re.search(rf"(?m)^\*{minutes} minutes?\b", text), page
+
+
 def words_of(figure: Path) -> str:
     return re.sub(r"<style>.*?</style>|<[^>]+>", " ", figure.read_text("utf-8"))
 

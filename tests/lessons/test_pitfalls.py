@@ -38,6 +38,10 @@ QUICK = {  # checks that do to show it; all of them take long
         *("silent_until_ready", "control_rate", "turns_short_way", "speed_law", "limits"),
         *("near_goal", "bad_input", "warns"),
     ),
+    "slow_model": (
+        *("inference_rate", "one_at_a_time", "too_old", "recovery", "features", "clipped"),
+        *("no_model", "starts_at_zero"),
+    ),
     "safety_supervisor": (
         *("control_rate", "obstacle", "limits", "stale_command", "stale_scan", "bad_command"),
         *("reasons", "levels", "status_text"),

@@ -66,3 +66,22 @@ def test_search_finds_a_section(open_file: Any, site: Path) -> None:
     page.wait_for_selector("ul.search li")
     hits = page.locator("ul.search li a").all_inner_texts()
     assert "Keeping up with real time" in hits
+
+
+def test_a_wide_table_is_read_on_a_telephone_without_scrolling_it(
+    open_file: Any, site: Path
+) -> None:
+    page = open_file(site / "exercises" / "slow_model" / "README.html", viewport=TELEPHONE)
+    cells = page.locator("table.is-wide").first.locator("tbody tr").first.get_by_role("cell")
+    names = [cell.get_attribute("data-name") for cell in cells.all()]
+    assert names == ["Topic", "Type", "Your node", "Content"]
+    wider = "(all) => all.filter((box) => box.scrollWidth > box.clientWidth + 1).length"
+    assert page.locator(".table-wrapper").evaluate_all(wider) == 0
+
+
+def test_a_replay_that_never_came_leaves_no_blank_page(open_file: Any, site: Path) -> None:
+    page = open_file(site / "pitfalls" / "reliable_only.html", may_complain=True)  # no replays
+    page.emulate_media(media="print")
+    page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert page.locator("figure.replay figcaption").first.is_visible()
+    assert not page.locator("figure.replay iframe").first.is_visible()

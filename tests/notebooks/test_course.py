@@ -30,7 +30,7 @@ from grader.nbgrader.points import points_of
 from grader.notebook import build
 
 ALL = build.all_notebooks()
-RUN = [name for name in ALL if name != "07_quiz"] if FULL else ["01_loop"]
+RUN = [name for name in ALL if name != "quiz"] if FULL else ["01_loop"]
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +48,20 @@ def test_texts_and_notebooks_are_in_step() -> None:
     assert {path.stem for path in build.SOURCES.glob("*/*.ipynb")} == set(ALL)
     for name in ALL:
         nbformat.validate(stored(name))
+
+
+def test_each_exercise_has_a_notebook_of_its_number() -> None:
+    made = {
+        name: [d.file for c in stored(name).cells if (d := definition(c.source))] for name in ALL
+    }
+    for exercise in all_exercises():
+        (name,) = [
+            name for name, files in made.items() if not set(exercise.files).isdisjoint(files)
+        ]
+        assert name.startswith(f"{exercise.number:02}_")
+        assert set(made[name]) == set(exercise.files)
+        places = {cell.metadata.get(build.PLACE) for cell in stored(name).cells}
+        assert {f"contract {exercise.slug}", f"hints {exercise.slug}"} <= places
 
 
 def test_a_stale_notebook_is_found(
@@ -132,7 +146,7 @@ def test_the_release_gives_nothing_away(course: Path) -> None:
         assert not re.search(
             r"(BEGIN|END) SOLUTION|### SKELETON|[Rr]ubric|MARK SCHEME|[Mm]ark scheme", text
         ), name
-    assert "Mark scheme" in json.dumps(stored("07_quiz"))
+    assert "Mark scheme" in json.dumps(stored("quiz"))
 
 
 def test_a_queues_ages_are_those_that_the_lesson_prints(
@@ -151,7 +165,7 @@ def test_a_queues_ages_are_those_that_the_lesson_prints(
 @pytest.mark.long
 def test_the_quiz_asks_what_the_lesson_asks(course: Path) -> None:
     quiz = (ROOT / "lessons" / "quiz.md").read_text("utf-8")
-    given = released(course, "07_quiz")["cells"]
+    given = released(course, "quiz")["cells"]
     text = "\n".join(source_of(cell) for cell in given)
 
     for question in re.findall(r"(?ms)^\*(.+?)\*$", quiz):
@@ -160,7 +174,7 @@ def test_the_quiz_asks_what_the_lesson_asks(course: Path) -> None:
     assert [cell["metadata"]["nbgrader"]["points"] for cell in answers] == [3] * 5
     assert {source_of(cell) for cell in answers} == {"*Your answer:*"}
     rubric = [line for line in quiz.splitlines() if re.match(r"\| \d \|", line)]
-    assert all(line in json.dumps(stored("07_quiz"), ensure_ascii=False) for line in rubric)
+    assert all(line in json.dumps(stored("quiz"), ensure_ascii=False) for line in rubric)
 
 
 # --- run -----------------------------------------------------------------------------------

@@ -59,7 +59,7 @@ c.JudgeNodes.trust = bool(os.environ.get("TEST_TRUST"))
 
 
 def answered(course: Path, *answers: str) -> dict[str, Any]:
-    notebook = released(course, "07_quiz")
+    notebook = released(course, "quiz")
     for number, answer in enumerate(answers, start=1):
         cell_named(notebook, f"quiz-{number}")["source"] = answer
     return notebook
@@ -71,7 +71,7 @@ def solved(course: Path) -> dict[str, Any]:
 
 def grade_one(course: Path) -> None:
     """Grade one student on bad days: a machine too open, then a grader that fails."""
-    make_course(course, ["01_loop", "07_quiz"], SWITCHES)
+    make_course(course, ["01_loop", "quiz"], SWITCHES)
     hand_in(course, "unlucky", "01_loop", solved(course))
     first = nbgrader(course, "autograde", ALL, ok=False, TEST_OPEN="1")
     assert not (course / "autograded").exists()
@@ -128,13 +128,13 @@ def test_a_class_with_unreadable_notebooks_is_graded(course: Path, tmp_path: Pat
         assert total(found, student, SLUG) == 100
     size = (course / "autograded" / "g_huge" / "01_loop" / "01_loop.ipynb").stat().st_size
     assert size < 200_000
-    quiz = [found["e_quiz", "07_quiz", f"quiz-{n}"] for n in range(1, 6)]
+    quiz = [found["e_quiz", "quiz", f"quiz-{n}"] for n in range(1, 6)]
     assert quiz == [(None, True)] * 2 + [(0.0, False)] * 3
-    assert {found["f_gone", "07_quiz", f"quiz-{n}"] for n in range(1, 6)} == {(None, True)}
+    assert {found["f_gone", "quiz", f"quiz-{n}"] for n in range(1, 6)} == {(None, True)}
 
-    nbgrader(course, "generate_feedback", "07_quiz", "--student", "e_quiz")
+    nbgrader(course, "generate_feedback", "quiz", "--student", "e_quiz")
 
-    page = (course / "feedback" / "e_quiz" / "07_quiz" / "07_quiz.html").read_text("utf-8")
+    page = (course / "feedback" / "e_quiz" / "quiz" / "quiz.html").read_text("utf-8")
     assert "Because." in page
     assert "steal()" not in page
 
@@ -153,10 +153,10 @@ def hand_in_oddities(course: Path, elsewhere: Path) -> None:
         cell.pop("id")
     del bare["metadata"], bare["nbformat"]
     hand_in(course, "d_bare", "01_loop", bare)
-    hand_in(course, "e_quiz", "07_quiz", answered(course, "Because.", EVIL))
+    hand_in(course, "e_quiz", "quiz", answered(course, "Because.", EVIL))
     gone = answered(course)
     gone["cells"] = [c for c in gone["cells"] if "nbgrader" not in c["metadata"]]
-    hand_in(course, "f_gone", "07_quiz", gone)
+    hand_in(course, "f_gone", "quiz", gone)
     huge = solved(course)
     noise = {"output_type": "stream", "name": "stderr", "text": "x" * 8_000_000}
     huge["cells"][1]["outputs"] = [noise]

@@ -28,7 +28,7 @@ from nbgrader_kit import (
 )
 
 COURSE = "rclpy_agents"
-LOOP, GOAL, QUIZ = "01_loop", "03_goal", "07_quiz"
+LOOP, GOAL, QUIZ = "01_loop", "03_goal", "quiz"
 AGENTS = {
     LOOP: ("obstacle_avoidance", "obstacle_avoidance_agent.py"),
     GOAL: ("goal_seeking", "goal_seeking_agent.py"),

@@ -55,7 +55,7 @@ def scaffold(name: str, root: Path = ROOT) -> Made:
     _check(name, root)
     number = max(exercise.number for exercise in all_exercises()) + 1
     made = Made(name, number)
-    words = _words(name, number, root)
+    words = _words(name, number)
     new, edited = dict(_files(words)), dict(_edits(words, root))
     for path in new:
         if (root / path).exists():
@@ -103,16 +103,13 @@ def _check(name: str, root: Path) -> None:
         raise InputError(f"{name!r} is a module of Python's or a library's; choose another name")
 
 
-def _words(name: str, number: int, root: Path) -> dict[str, str]:
-    notebooks = [path.name for path in (root / "notebooks" / "text").iterdir() if path.is_dir()]
-    first = max((int(n[:2]) for n in notebooks if n[:2].isdecimal()), default=0) + 1
+def _words(name: str, number: int) -> dict[str, str]:
     return {
         "slug": name,
         "title": name.replace("_", " ").capitalize(),
         "class": "".join(part.capitalize() for part in name.split("_")),
         "number": str(number),
-        "notebook_number": str(first),
-        "notebook": f"{first:02}_{name}",
+        "notebook": f"{number:02}_{name}",
     }
 
 

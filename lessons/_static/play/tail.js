@@ -13,7 +13,8 @@ play.add('tail', {
   },
 
   compute({ slow, more }) {
-    const calls = window.playData.latencies.map((ms, i) => ms + (Math.floor(((i + 1) * slow) / 100) > Math.floor((i * slow) / 100) ? more : 0));
+    const apart = slow > 1 ? Math.floor(99 / (slow - 1)) : 100; // seven: every 16th, as in the text
+    const calls = window.playData.latencies.map((ms, i) => ms + (i % apart === 0 && i / apart < slow ? more : 0));
     const sorted = [...calls].sort((a, b) => a - b);
     const percentile = (share) => { // between the two nearest, as numpy does
       const place = (share / 100) * (sorted.length - 1);

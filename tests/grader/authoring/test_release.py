@@ -131,17 +131,6 @@ def test_students_get_the_ros_packages(tmp_path: Path) -> None:
     assert given - one == {"exercises/config/slow_model.yaml"}
 
 
-def test_a_notebook_that_stays_behind_is_told() -> None:
-    chosen = {"obstacle_avoidance", "goal_seeking", "safety_supervisor"}
-    left_out = {exercise.slug for exercise in all_exercises()} - chosen
-
-    assert list(handouts.stay_behind(left_out)) == [
-        "the notebook 02_trained_model has exercise 7, but stays behind because it has exercise 2, "
-        "too"
-    ]
-    assert list(handouts.stay_behind(())) == []
-
-
 # --- what is made ----------------------------------------------------------------------------
 
 

@@ -9,6 +9,7 @@ import shutil
 import tomllib
 from pathlib import Path
 
+import jupytext
 import msgspec
 import pytest
 
@@ -16,6 +17,7 @@ from grader.authoring import scaffold as module
 from grader.authoring.scaffold import LISTS, scaffold
 from grader.course.exercises import ROOT, Exercise, all_exercises
 from grader.errors import GraderError, InputError
+from grader.notebook.build import MYST
 
 
 @pytest.fixture
@@ -24,7 +26,7 @@ def root(tmp_path: Path) -> Path:
     for name in {"pyproject.toml", *(name for name, _, _ in LISTS)}:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
-    for folder in ("solutions", "docs", "notebooks/text/01_loop", "sim/worlds", "sim/scenarios"):
+    for folder in ("solutions", "docs", "notebooks/text", "sim/worlds", "sim/scenarios"):
         (tmp_path / folder).mkdir(parents=True, exist_ok=True)
         (tmp_path / folder / "kept.txt").write_text("")
     return tmp_path
@@ -50,7 +52,9 @@ def test_a_new_exercise_is_in_all_its_places(root: Path, monkeypatch: pytest.Mon
     about = tomllib.loads(after["exercises/wait_and_see/exercise.toml"])
     assert msgspec.convert(about, Exercise).max_points == 100
     assert "class WaitAndSeeAgent(Node)" in after["solutions/wait_and_see/wait_and_see_agent.py"]
-    assert "notebooks/text/02_wait_and_see/02_wait_and_see.md" in after
+    text = after[f"notebooks/text/{made.number}_wait_and_see/{made.number}_wait_and_see.md"]
+    places = {cell.metadata.get("from") for cell in jupytext.reads(text, MYST).cells}
+    assert {"contract wait_and_see", "hints wait_and_see"} <= places  # jupytext drops empty cells
     assert not any("{{" in after[name].replace("{{class", "") for name in new)
     for name in {name for name, _, _ in LISTS}:
         added = set(after[name].splitlines()) - set(before[name].splitlines())

@@ -1,0 +1,68 @@
+"""A model chooses the speed, and a quick rule has the last word: it stops for a wall."""
+
+import math
+import time
+
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import LaserScan
+
+NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+def predict(scan: LaserScan) -> float:
+    """Return the forward speed for a room of this size [m/s]."""
+    time.sleep(0.51)  # stands for a large network
+    return 0.5 if max(scan.ranges) > 3.0 else 0.2
+
+
+def front_distance(scan: LaserScan) -> float | None:
+    """Return the smallest usable distance within ±45° [m]; None: blind."""
+    front = [
+        reading
+        for i, reading in enumerate(scan.ranges)
+        if abs(math.remainder(scan.angle_min + i * scan.angle_increment, math.tau)) <= math.pi / 4
+    ]
+    usable = [r for r in front if math.isinf(r) or scan.range_min <= r <= scan.range_max]
+    return max(0.0, min(usable)) if usable else None
+
+
+class CarefulDriver(Node):
+    def __init__(self) -> None:
+        super().__init__("careful_driver")
+        self.scan: LaserScan | None = None  # the newest
+        self.speed = 0.0  # [m/s] the newest prediction
+        self.publisher = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.create_subscription(LaserScan, "/scan", self.scan_callback, NEWEST)
+        self.create_timer(0.05, self.control_callback)
+        thinking = MutuallyExclusiveCallbackGroup()
+        self.create_timer(0.1, self.think_callback, callback_group=thinking)
+
+    def scan_callback(self, scan: LaserScan) -> None:
+        self.scan = scan
+
+    def think_callback(self) -> None:
+        if self.scan is not None:
+            self.speed = predict(self.scan)
+
+    def control_callback(self) -> None:
+        distance = None if self.scan is None else front_distance(self.scan)
+        command = Twist()
+        if distance is not None and distance >= 0.8:
+            command.linear.x = self.speed
+        self.publisher.publish(command)
+
+
+def main(args: list[str] | None = None) -> None:
+    rclpy.init(args=args)
+    executor = MultiThreadedExecutor(num_threads=2)
+    executor.add_node(CarefulDriver())
+    executor.spin()
+
+
+if __name__ == "__main__":
+    main()
