@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.classroom.intake.exercise_files import find_files
+from grader.classroom.intake.exercise_files import find_files, sole_work
 from grader.classroom.intake.handed_in import Student
 from grader.classroom.intake.students import take_in
 from grader.course.submission import MAX_SIZE, read_regular_file
@@ -65,6 +65,15 @@ def test_an_empty_file_is_no_work(handed_in: Path) -> None:
     (handed_in / "ann" / "agent (1).py").write_text("print()\n")
     found = find_files(the_one(handed_in), [AGENT])
     assert found.files[AGENT].name == "agent (1).py"
+
+
+@pytest.mark.parametrize(("text", "work"), [("x = 1\n", "robot.py"), ("# mine\n", ""), ("", "")])
+def test_the_only_file_is_work_if_there_is_more_in_it_than_comments(
+    handed_in: Path, text: str, work: str
+) -> None:
+    (handed_in / "ann").mkdir()
+    (handed_in / "ann" / "robot.py").write_text(text)
+    assert sole_work(the_one(handed_in)) == work
 
 
 def test_folders_and_archives_are_students(handed_in: Path) -> None:
