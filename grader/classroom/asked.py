@@ -1,6 +1,7 @@
 """What a person asks for, at the command line or at the desk, as a change of the log.
 
-Nothing here writes: `Marking.add` does, and `Marking.preview` says what it would come to.
+Nothing here writes: `Marking.add` does, and `Marking.preview` says what it would come to. Where
+there is nobody and nothing that is called so, or no such number, InputError says what there is.
 """
 
 from __future__ import annotations
@@ -52,15 +53,11 @@ class Named:
     everybody: bool = False
 
     def whom(self, class_: Marking, task: Task | None = None) -> Whom:
-        """Return whom they are; see `Marking.whom`."""
         return class_.whom(self.students, self.section, everybody=self.everybody, task=task)
 
 
 def number(text: object, most: float = math.inf) -> float:
-    """Return a finite number, as a person types it.
-
-    Raises InputError: it is none, or not from 0 to `most`.
-    """
+    """Return a finite number from 0 to `most`, as a person types it."""
     try:
         found = float(str(text))
     except ValueError:
@@ -77,10 +74,7 @@ def number(text: object, most: float = math.inf) -> float:
 def set_check(
     class_: Marking, named: Named, exercise: str, check: str, points: float, *, may_lower: bool
 ) -> SetCheck:
-    """Return the change by which a check has these points.
-
-    Raises InputError: there is no such exercise, student or check, or it gives fewer points.
-    """
+    """Return the change by which a check has these points."""
     task = class_.exercise(exercise)
     whom = named.whom(class_, task)
     most = class_.check(task, check, whom)
@@ -92,10 +86,7 @@ def set_check(
 def waive(
     class_: Marking, named: Named, exercise: str, check: str, *, may_lower: bool
 ) -> Waive:  # fmt: skip
-    """Return the change by which a check doesn't count.
-
-    Raises InputError: there is no such exercise, student or check.
-    """
+    """Return the change by which a check doesn't count."""
     task = class_.exercise(exercise)
     whom = named.whom(class_, task)
     class_.check(task, check, whom)
@@ -103,10 +94,7 @@ def waive(
 
 
 def score(class_: Marking, named: Named, exercise: str, points: float) -> Score:
-    """Return the change by which students have these points.
-
-    Raises InputError: there is no such exercise or student, none is named, or it has fewer points.
-    """
+    """Return the change by which students have these points."""
     task = class_.exercise(exercise)
     if not named.students:
         raise InputError("a score is one student's: expected --student ID (more than once)")
@@ -120,10 +108,7 @@ def late(
     class_: Marking, named: Named, exercise: str, per_day: float, *, deadline: str = "",
     zone: str = "UTC", grace: str = "0", cap: float = 100.0, times: Path | None = None,
 ) -> Late:  # fmt: skip
-    """Return the rule by which lateness costs points.
-
-    Raises InputError: there is no such exercise or student, or no such time.
-    """
+    """Return the rule by which lateness costs points."""
     task = class_.exercise(exercise)
     whom = named.whom(class_)
     known = {} if times is None else times_of(times, zone, class_.students, class_.rows)
@@ -134,10 +119,7 @@ def late(
 
 
 def publish(class_: Marking, named: Named, exercises: Sequence[str]) -> Publish:
-    """Return the change by which students may see their feedback.
-
-    Raises InputError: there is no such exercise or student.
-    """
+    """Return the change by which students may see their feedback."""
     slugs = tuple(class_.exercise(name).slug for name in exercises)
     return Publish(slugs, named.whom(class_))
 
@@ -148,10 +130,7 @@ def publish(class_: Marking, named: Named, exercises: Sequence[str]) -> Publish:
 def comment(
     class_: Marking, student: str, exercise: str, file: str, line: float, words: str
 ) -> Comment:
-    """Return words on a line of a student's file.
-
-    Raises InputError: there is no such student, exercise, file or line, or nothing is said.
-    """
+    """Return words on a line of a student's file."""
     task, who = class_.exercise(exercise), class_.student(student)
     texts = class_.store.texts((who, task.slug))
     if file not in texts:
@@ -163,11 +142,7 @@ def comment(
 
 
 def style(class_: Marking, student: str, exercise: str, given: Mapping[str, float]) -> Style:
-    """Return points for style by the class's rubric.
-
-    Raises InputError: there is no such student, exercise or rubric, or a criterion has no points,
-    or too many.
-    """
+    """Return points for style by the class's rubric."""
     task, rubric = class_.exercise(exercise), rubric_of(class_.out)
     if not rubric:
         raise InputError(
@@ -187,10 +162,7 @@ def style(class_: Marking, student: str, exercise: str, given: Mapping[str, floa
 
 
 def rubric_of(out: Path) -> dict[str, float]:
-    """Return the points that each criterion of style gives; {} if the class has no rubric.
-
-    Raises InputError: the file is none.
-    """
+    """Return the points that each criterion of style gives; {} if the class has no rubric."""
     try:
         points = tomllib.loads((out / RUBRIC).read_text("utf-8"))["points"]
         found = {str(name): number(most) for name, most in points.items()}
@@ -207,10 +179,7 @@ def rubric_of(out: Path) -> dict[str, float]:
 
 
 def request(class_: Marking, text: str) -> Request:
-    """Return what a student asks, by the text of the feedback page.
-
-    Raises InputError: it is no such text, is about nobody, or is in the log already.
-    """
+    """Return what a student asks, by the text of the feedback page."""
     try:
         said = read_in_cell(fields_of, text, returns=dict[str, str])
     except Refused as error:
@@ -237,10 +206,7 @@ def text_of(file: Path) -> str:
 
 
 def answer(class_: Marking, number_: float, words: str) -> Answer:
-    """Return the answer to a request, by its number in the log.
-
-    Raises InputError: there is no such request, or nothing is said.
-    """
+    """Return the answer to a request, by its number in the log."""
     for entry, asked, _ in requests(class_.entries):
         if entry.number == number_:
             return Answer(entry.number, asked.exercise, _words(words), asked.whom)

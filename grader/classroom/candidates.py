@@ -190,7 +190,7 @@ def _another(student: Student, slug: str, found: Found, known: Known) -> str:
     if student.person is not None or row is None or entry is None or slug not in row.handed:
         return ""
     before = row.handed[slug]
-    if {before.system, entry.who.system} != {"moodle"} or entry.word in known.words(student.id):
+    if {before.system, entry.who.system} != {"moodle"} or entry.word in row.seen:
         return ""
     said = known.assigned.get(entry.word) or known.assigned.get(entry.path.name)
     return "" if said or not before.id else ANOTHER.format(entry.who.id, before.id, entry.path.name,

@@ -49,7 +49,11 @@ def enter_candidates(
     found = find_class(submissions, scratch, options, known)
     slugs = {slug for _, slug in found.candidates}
     stored = {(r.student, r.exercise): r for r in store.results() if not r.canary}
-    moved = {student for student in known.rows if _is_moved(student, known)}
+    moved = {  # all that they had handed in is assigned to others by now
+        student for student, row in known.rows.items()
+        if row.seen and all(student not in known.assigned.get(word, (student,))
+                            for word in row.seen)
+    }  # fmt: skip
     gone = {
         key: result
         for key, result in stored.items()
@@ -62,7 +66,7 @@ def enter_candidates(
     seen = {word for row in found.students for word in row.seen}
     held = {key for key, result in gone.items()
             if result.state == HELD and key[0] in known.rows
-            and seen.isdisjoint(known.words(key[0]))}  # fmt: skip
+            and seen.isdisjoint(known.rows[key[0]].seen)}  # fmt: skip
     kept = frozenset(lost | held if options.add else ())
     texts = {}
     for key, candidate in found.candidates.items():
@@ -98,13 +102,6 @@ def enter_candidates(
         lines = [line for line in earlier if line.student in away]
         account = Account((*lines, *(each for each in account.lines if each.student not in away)))
     return replace(found, said=tuple(said), kept=kept, account=account)
-
-
-def _is_moved(student: str, known: Known) -> bool:
-    """Return whether all that a student had handed in is assigned to others by now."""
-    words = known.words(student)
-    return bool(words) and all(student not in known.assigned.get(word, (student,))
-                               for word in words)  # fmt: skip
 
 
 def _known_rows(

@@ -25,7 +25,6 @@ from grader.errors import InputError, is_disk_full
 from grader.lms.book import StudentRow
 
 SCHEMA = 5
-READABLE = (0, 4, SCHEMA)  # 0: an empty file; 4: its rows say less of how students were called
 TABLES = """
 CREATE TABLE IF NOT EXISTS units (
     student TEXT NOT NULL, exercise TEXT NOT NULL, canary INTEGER NOT NULL DEFAULT 0,
@@ -75,7 +74,7 @@ class Store:
             self._db.execute("PRAGMA journal_mode=WAL")
             self._db.execute("PRAGMA synchronous=FULL")
             version = self._db.execute("PRAGMA user_version").fetchone()[0]
-            if version not in READABLE:
+            if version not in (0, SCHEMA):  # 0: an empty file
                 raise InputError(
                     f"{path}: a store of schema {version}, expected {SCHEMA}; use the version of "
                     "the course that made it, or give another --out"

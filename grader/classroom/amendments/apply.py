@@ -23,8 +23,7 @@ from grader.classroom.amendments.change import (
 )
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry, style_words
-from grader.classroom.amendments.people import find_student
-from grader.classroom.marks import TO_HOLD, points_of, tasks_of
+from grader.classroom.marks import TO_HOLD, checks_of, points_of, tasks_of
 from grader.classroom.row import ABSENT, GRADED, HELD, STALLS, UNJUDGED, Amended, StoredResult
 from grader.course.exercises import find_exercise
 from grader.course.score import score_of
@@ -47,16 +46,9 @@ class _Known:
 def amended(
     results: Sequence[StoredResult], entries: Sequence[Entry], rows: Mapping[str, StudentRow]
 ) -> tuple[list[StoredResult], list[str]]:
-    """Return the results as they count, and what a person should know.
+    """Return the results as they count by the entries that do (`active`), and what to know of it.
 
-    Parameters
-    ----------
-    results
-        As they are stored; none of them is changed.
-    entries
-        Those that count, from `active`.
-    rows
-        What is known of the students.
+    None of the given results is changed.
     """
     known = _Known(rows)
     entries = _of_this_class(entries, results, known)
@@ -73,11 +65,9 @@ def _of_this_class(
 ) -> list[Entry]:
     """Return the entries about the students as they are called now.
 
-    A folder is somebody's for good. But what was nobody's goes to whom it is assigned; and in a
-    store of schema 4 folders changed once a student had handed in.
+    A folder is somebody's for good. But what was nobody's goes to whom it is assigned.
     """
-    students = sorted({result.student for result in results if not result.canary})
-    here = set(students)
+    here = {result.student for result in results if not result.canary}
     theirs = {
         entry.change.was: entry.change.whom.students[0]
         for entry in entries
@@ -86,26 +76,18 @@ def _of_this_class(
     found = []
     for entry in entries:
         change = entry.change
-        whom = Whom() if isinstance(change, Undo) else change.whom
-        if isinstance(change, Undo) or here.issuperset(whom.students):
+        if isinstance(change, Undo) or here.issuperset(change.whom.students):
             found.append(entry)
             continue
-        now = {old: old if old in here else theirs.get(old) or _followed(old, students, known)
-               for old in whom.students}  # fmt: skip
-        for old, new in now.items():
-            if new is None:
-                text = f"Entry {entry.number} of the log is about somebody who is not in the class"
-                known.remark(text, old)
-        named = tuple(new or old for old, new in now.items())
-        versions = {now[old] or old: hash_ for old, hash_ in whom.versions.items() if old in now}
-        whom = replace_struct(whom, students=named, versions=versions)
+        whom = change.whom
+        now = {old: old if old in here else theirs.get(old, old) for old in whom.students}
+        for old in (old for old, new in now.items() if new == old and new not in here):
+            text = f"Entry {entry.number} of the log is about somebody who is not in the class"
+            known.remark(text, old)
+        versions = {now[old]: hash_ for old, hash_ in whom.versions.items() if old in now}
+        whom = replace_struct(whom, students=tuple(now.values()), versions=versions)
         found.append(replace(entry, change=replace_struct(change, whom=whom)))
     return found
-
-
-def _followed(old: str, students: Sequence[str], known: _Known) -> str | None:
-    """Return who was called by a folder that the store doesn't know; never somebody's namesake."""
-    return None if old in known.rows else find_student(old, students, known.rows)
 
 
 def published(
@@ -235,11 +217,10 @@ def _with_check(
 ) -> StoredResult | None:
     """Return the result with one check changed; None if it has no such check."""
     grading = result.grading or {}
-    checks = [dict(check) for check in grading.get("checks") or ()]
-    found = [check for check in checks if check.get("id") == change.check]
-    if not found:
+    checks = [dict(check) for check in checks_of(result)]
+    check = next((check for check in checks if check.get("id") == change.check), None)
+    if check is None:
         return None
-    (check,) = found[:1]
     title = str(check.get("title") or change.check).rstrip(".")
     most, had = (float(check.get(key) or 0) for key in ("max_points", "points"))
     was = f"Before: {check.get('outcome')}, {had:g} of {most:g} points."
@@ -263,27 +244,21 @@ def _judged(result: StoredResult, before: StoredResult) -> StoredResult:
     them all.
     """
     grading = result.grading or {}
-    core = [check for check in grading.get("checks") or () if check.get("kind") != "field"]
+    core = [check for check in checks_of(result) if check.get("kind") != "field"]
     sums = score_of(core, find_exercise(result.exercise).essential)
     new: dict[str, Any] = {
-        **grading,
-        "score": sums.points,
-        "max_score": sums.most,
-        "raw_score": sums.raw,
+        **grading, "score": sums.points, "max_score": sums.most, "raw_score": sums.raw,
         "cap": sums.note,
-    }
+    }  # fmt: skip
     if all(check.get("outcome") == "pass" or check.get("waived") for check in core):
         new["cause"] = None
-    sure = all(check.get("outcome") not in TO_HOLD for check in grading.get("checks") or ())
-    settled = before.state == HELD and sure and _held_for_checks(before)
-    state = GRADED if settled else result.state
-    return replace(result, grading=new, state=state, problem="" if settled else result.problem)
-
-
-def _held_for_checks(result: StoredResult) -> bool:
-    outcomes = {check.get("outcome") for check in (result.grading or {}).get("checks") or ()}
-    why = result.problem.startswith(STALLS) or UNJUDGED in result.problem
-    return why and not outcomes.isdisjoint(TO_HOLD)
+    sure = all(check.get("outcome") not in TO_HOLD for check in checks_of(result))
+    for_checks = any(check.get("outcome") in TO_HOLD for check in checks_of(before)) and (
+        before.problem.startswith(STALLS) or UNJUDGED in before.problem
+    )
+    if before.state == HELD and sure and for_checks:
+        return replace(result, grading=new, state=GRADED, problem="")
+    return replace(result, grading=new)
 
 
 # --- lateness ------------------------------------------------------------------------------------

@@ -44,7 +44,7 @@ class SetCheck(_Change, frozen=True, tag="set"):
     check: str
     points: float
     whom: Whom = Whom()
-    may_lower: bool = True  # as in logs that don't say
+    may_lower: bool = True
 
 
 class Waive(_Change, frozen=True, tag="waive"):
@@ -53,7 +53,7 @@ class Waive(_Change, frozen=True, tag="waive"):
     exercise: str
     check: str
     whom: Whom = Whom()
-    may_lower: bool = True  # as in logs that don't say
+    may_lower: bool = True
 
 
 class Late(_Change, frozen=True, tag="late"):

@@ -7,6 +7,7 @@ zone.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -64,17 +65,10 @@ def parsed(text: str, zone: tzinfo) -> datetime | None:
     if (words := moment(plain)) is not None:
         return words.replace(tzinfo=zone)
     for pattern in ("", *TIMES):
-        try:
-            found = datetime.strptime(plain, pattern) if pattern else _iso(plain)
-        except ValueError:
-            continue
-        return found if found.tzinfo else found.replace(tzinfo=zone)
+        with contextlib.suppress(ValueError):
+            found = datetime.strptime(plain, pattern) if pattern else datetime.fromisoformat(plain)
+            return found if found.tzinfo else found.replace(tzinfo=zone)
     return None
-
-
-def _iso(text: str) -> datetime:
-    # at most six digits of a second, and no space before the offset
-    return datetime.fromisoformat(re.sub(r"(\.\d{6})\d*|\s+(?=[+-]\d\d:?\d\d$)", r"\1", text))
 
 
 def moment_of(text: str, zone: str) -> str:

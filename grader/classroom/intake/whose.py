@@ -49,16 +49,6 @@ class Known:
     # student and exercise: the file that a person has accepted
     accepted: Mapping[tuple[str, str], str] = field(default_factory=dict)
 
-    def words(self, student: str) -> set[str]:
-        """Return how downloads have called a student."""
-        row = self.rows[student]
-        found = set(row.seen)
-        for each in row.handed.values():  # a store of schema 4 has no other
-            by_name = each.system != "folder" or student == student_id(each.name)
-            told = each.email or each.id if each.system == "gradescope" else each.id
-            found |= {word_of(each.system, told or each.name)} if by_name else set()
-        return found
-
 
 NOTHING_KNOWN = Known()
 
@@ -106,7 +96,7 @@ class _Class:
         self._read = read
         self._roster = roster
         self._known = known
-        self._seen = {word: row for row in known.rows for word in known.words(row)}
+        self._seen = {word: key for key, row in known.rows.items() for word in row.seen}
         self._found: dict[str, Student] = {}
         self._new: list[tuple[str, str, Any]] = []  # label, what tells it from others, its key
         self._folders: dict[Any, str] = {}  # of people by key, of others by their entries' word

@@ -73,7 +73,7 @@ def test_a_waived_check_frees_nobody_who_is_held_for_something_else(
     mark: Callable[..., Any], graded: Path
 ) -> None:
     with Store(graded / "store.sqlite") as store:
-        store.hold(("bob", SLUG), "the grader could not be trusted")
+        store.hold(("bob", SLUG), "the grader could not be trusted: it could not judge wiring")
     assert mark(Waive(SLUG, "slow_zone"))["bob"] == ""
     assert scores(graded)["bob"]["state"] == HELD
 

@@ -5,12 +5,9 @@ Each file says whose it is by a number, and the judge gives that many points.
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import io
-import json
 import shutil
-import sqlite3
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -284,7 +281,6 @@ def test_without_a_roster_a_namesake_is_nobody_known(
     with marking(tmp_path / "out") as class_:
         whom = class_.whom(["Ann Lee"], "", everybody=False, task=class_.exercise(""))
         class_.add(Score(SLUG, 42, whom), "prof", "agreed")
-    as_of_schema_4(tmp_path / "out" / "store.sqlite")
     in_folders(moodles)(handed_in, [late], 0)
     grade_class(judge)
     mine = points(tmp_path / "out")
@@ -297,17 +293,6 @@ def test_without_a_roster_a_namesake_is_nobody_known(
         assert points(tmp_path / "out")["Ann Lee"] == "42"
         (held,) = (row for row in scores(tmp_path / "out").values() if row["state"] == "held")
         assert "it may be Ann Lee or Ann Lee~" in held["problem"]
-
-
-def as_of_schema_4(store: Path) -> None:
-    """Make a store say no more than an earlier version wrote."""
-    with contextlib.closing(sqlite3.connect(store)) as db:
-        (text,) = db.execute("SELECT text FROM kept WHERE name='students'").fetchone()
-        rows = [{k: v for k, v in row.items() if k not in ("seen", "unsure")}
-                for row in json.loads(text)]  # fmt: skip
-        db.execute("UPDATE kept SET text=? WHERE name='students'", (json.dumps(rows),))
-        db.execute("PRAGMA user_version=4")
-        db.commit()
 
 
 # --- groups --------------------------------------------------------------------------------------
