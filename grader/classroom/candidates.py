@@ -7,21 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.account import (
-    CONTRARY,
-    EXTRA,
-    GRADED,
-    LEFT_OUT,
-    OLDER,
-    OTHER,
-    STRANGER,
-    SUSPECT,
-    UNKNOWN,
-    Account,
-    Line,
-    set_aside_lines,
-    student_lines,
-)  # fmt: skip
+from grader.classroom.account import Account, Fate, Line, student_lines
 from grader.classroom.conditions import fingerprint, submission_hash
 from grader.classroom.intake.exercise_files import WORK, Found, find_files, left_over, sole_work
 from grader.classroom.intake.handed_in import HandedIn, Student
@@ -47,6 +33,11 @@ ANONYMOUS = (
     "settings and download it again, or say of each whose it is: course marks assign"
 )
 NOBODY_SO = "nobody in the roster is called so or has this id"
+CONTRARY = (
+    "another work of that name came in another download, and this one does not count; "
+    "was one of them handed in to the wrong assignment?"
+)
+SUSPECT = "may be an exercise that is missing; no exercise has a file of this name"
 SKELETON = "still as it was handed out, so it was not handed in"
 SOLE = "the only file that may be work"
 ACCEPTED = "accepted by a person"
@@ -105,9 +96,7 @@ class Candidate:
 
     def input_hash(self, files: Mapping[str, bytes], options: Options) -> str:
         """Return a hash of all that the grading of these files depends on."""
-        submitted = submission_hash(
-            self.exercise, files, seed=self.seed, field=options.field, tier=options.tier
-        )
+        submitted = submission_hash(self.exercise, files, seed=self.seed, field=options.field)
         return f"{submitted}{self.conditions}"
 
 
@@ -249,15 +238,18 @@ def _account(
         anonymous = all(who.system == "canvas" and not who.id
                         for student in intake.students for who in student.who)  # fmt: skip
         reason = ANONYMOUS if anonymous else OTHER_CLASS
-        lines.append(Line(UNKNOWN, entry=sheets, reason=reason, fault=True))
+        lines.append(Line(Fate.UNKNOWN, entry=sheets, reason=reason, fault=True))
     for student in intake.students:
         mine = {slug: found[student.id, slug] for slug in slugs}
         lines += student_lines(student, _fates(student, mine, wanted))
         if options.roster.people and student.person is None:
             reason, held = student.whose or NOBODY_SO, bool(student.whose)
-            lines.append(Line(STRANGER, student=student.id, reason=reason,
+            lines.append(Line(Fate.STRANGER, student=student.id, reason=reason,
                               fault=not unknown and not held, held=held))  # fmt: skip
-    return Account((*lines, *set_aside_lines(intake.set_aside)))
+    for each in intake.set_aside:
+        state = Fate.UNKNOWN if each.fault else Fate.LEFT_OUT
+        lines.append(Line(state, entry=each.name, reason=each.reason, fault=each.fault))
+    return Account(tuple(lines))
 
 
 def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) -> dict[int, Line]:
@@ -268,21 +260,21 @@ def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) 
         for file in each.older:
             is_other = id(file) in contrary
             reason = CONTRARY if is_other else "a newer one counts"
-            fates[id(file)] = Line(OLDER, exercise=slug, reason=reason, fault=is_other)
+            fates[id(file)] = Line(Fate.OLDER, exercise=slug, reason=reason, fault=is_other)
     for slug, each in sorted(found.items(), key=lambda pair: pair[0] in wanted):
-        state = GRADED if slug in wanted else OTHER
+        state = Fate.GRADED if slug in wanted else Fate.OTHER
         fates |= {id(file): Line(state, exercise=slug, reason=each.why) for file in each.used}
         for file in each.untouched:
-            fates.setdefault(id(file), Line(LEFT_OUT, exercise=slug, reason=SKELETON))
+            fates.setdefault(id(file), Line(Fate.LEFT_OUT, exercise=slug, reason=SKELETON))
         for file in each.beside.values():
             fates.setdefault(
-                id(file), Line(EXTRA, exercise=slug, reason=f"comes along with {slug}")
+                id(file), Line(Fate.EXTRA, exercise=slug, reason=f"comes along with {slug}")
             )
     held = not student.problem and not any(each.used for each in found.values())
     if not held and any(not found[slug].files for slug in wanted):  # else the unit itself says it
-        known = [f for f in student.files if id(f) in fates and fates[id(f)].state != EXTRA]
+        known = [f for f in student.files if id(f) in fates and fates[id(f)].state != Fate.EXTRA]
         known += [file for each in found.values() for file in each.needed]
-        line = Line(UNKNOWN, reason=SUSPECT, fault=True)
+        line = Line(Fate.UNKNOWN, reason=SUSPECT, fault=True)
         fates |= {
             id(file): line for file in left_over(student, known) if not is_handed_out(file.path)
         }

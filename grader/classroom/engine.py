@@ -34,20 +34,11 @@ MAX_UNITS = 100  # of a local worker, which is then replaced, so that no leak ad
 CONNECT_LIMIT = 20  # [s]
 
 
-class WorkerDied(Exception):
-    """A worker died while it graded a unit."""
-
-
 @contextlib.contextmanager
 def open_workers(count: int, dask: str = "") -> Iterator[Workers]:
-    """Start workers on this machine, or join those of a Dask cluster; end them with the block.
+    """Start `count` workers on this machine, or join those of a Dask cluster, for the block.
 
-    Parameters
-    ----------
-    count
-        Processes on this machine.
-    dask
-        A scheduler's address or file; then `count` is ignored.
+    `dask` is a scheduler's address or file.
 
     Raises InputError: there is no such scheduler, or Dask is not installed.
     """
@@ -63,7 +54,7 @@ def open_workers(count: int, dask: str = "") -> Iterator[Workers]:
 def run(
     workers: Workers,
     next_unit: Callable[[bool], Unit | None],
-    done: Callable[[Unit, UnitResult | WorkerDied], None],
+    done: Callable[[Unit, UnitResult], None],
 ) -> None:
     """Run units until none is left and all are done.
 
@@ -91,13 +82,13 @@ def refusal(workers: Workers) -> str:
         raise GraderError(f"no worker could be started ({error})") from None
 
 
-def _outcome(future: Future[UnitResult]) -> UnitResult | WorkerDied:
+def _outcome(future: Future[UnitResult]) -> UnitResult:
     try:
         return future.result()
     except BrokenExecutor:
-        return WorkerDied("its worker died while grading it")
+        return UnitResult(None, "its worker died while grading it", died=True)
     except Exception as error:  # Dask's KilledWorker, or a result that can't be unpickled
-        return WorkerDied(f"its worker failed ({type(error).__name__})")
+        return UnitResult(None, f"its worker failed ({type(error).__name__})", died=True)
 
 
 @dataclass

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from grader.classroom.account import NOTHING, Account
+from grader.classroom.account import Account, Fate
 from grader.classroom.amendments.change import Accept, Assign
 from grader.classroom.amendments.log import active
 from grader.classroom.candidates import Candidate, Class, find_class
@@ -97,7 +97,7 @@ def enter_candidates(
     if options.add:
         text = store.kept(OPTIONS)
         earlier = kept_options(text, {}).account.lines if text else ()
-        new = {line.student for line in account.lines if line.state != NOTHING}
+        new = {line.student for line in account.lines if line.state != Fate.NOTHING}
         away = {student for student, _ in kept} - new
         lines = [line for line in earlier if line.student in away]
         account = Account((*lines, *(each for each in account.lines if each.student not in away)))

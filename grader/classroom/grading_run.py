@@ -12,10 +12,9 @@ from pathlib import Path
 from grader.classroom import engine
 from grader.classroom.canaries import Canaries, Verdict
 from grader.classroom.candidates import Candidate
-from grader.classroom.engine import WorkerDied
 from grader.classroom.options import Options
 from grader.classroom.progress import Progress
-from grader.classroom.row import STALLS, TWICE
+from grader.classroom.row import GRADED, HELD, STALLS, TWICE, StoredResult
 from grader.classroom.store import Key, Store
 from grader.classroom.work import Unit, UnitResult, stalled, unjudged
 from grader.errors import DiskFull, InputError, is_disk_full
@@ -70,12 +69,10 @@ class GradingRun:
         return self._canaries.notes()
 
     def _waiting(self) -> list[Key]:
-        """Return what is queued and does not run."""
         known = (key for key in self._store.waiting() if key in self._candidates)
         return [key for key in known if key not in self._running]
 
     def _hold(self, key: Key, problem: str) -> None:
-        """Leave a unit to a person."""
         self._store.hold(key, problem)
         self._progress.done(*key, f"held: {problem}")
 
@@ -130,13 +127,13 @@ class GradingRun:
         self._store.claim(key, candidate.input_hash(files, self._options), candidate.found.files)
         return Unit(
             *key, files, seed=candidate.seed, field=self._options.field,
-            tier=self._options.tier, bags=self._options.bags, bag_folder=bag_folder,
+            bags=self._options.bags, bag_folder=bag_folder,
             trust=self._options.trust, alone=alone,
         )  # fmt: skip
 
-    def _done(self, unit: Unit, result: UnitResult | WorkerDied) -> None:
+    def _done(self, unit: Unit, result: UnitResult) -> None:
         if unit.canary:
-            if isinstance(result, UnitResult) and result.disk_full:
+            if result.disk_full:
                 self._stop_if_disk_full(unit)
             self._follow(self._canaries.done(unit, result, self._waiting()))
             return
@@ -150,7 +147,6 @@ class GradingRun:
             self._hold(unit.key, f"the result could not be stored ({why})")
 
     def _follow(self, verdict: Verdict) -> None:
-        """Do what follows from a round of canaries."""
         if verdict.note:
             self._store.note(verdict.note)
             self._progress.say(verdict.note)
@@ -158,9 +154,9 @@ class GradingRun:
         for key in dict.fromkeys(verdict.held):
             self._hold(key, verdict.why)
 
-    def _submission_done(self, unit: Unit, result: UnitResult | WorkerDied) -> None:
-        if isinstance(result, WorkerDied):
-            self._died(unit, result)
+    def _submission_done(self, unit: Unit, result: UnitResult) -> None:
+        if result.died:
+            self._died(unit, result.problem)
             return
         if result.disk_full:
             self._stop_if_disk_full(unit)
@@ -175,11 +171,20 @@ class GradingRun:
         again = bool(problem) and self._store.counts(unit.key).unsure + 1 < MAX_UNSURE
         if problem and not again:
             problem = f"{problem}; {TWICE}"
-        self._finish(unit, result, problem, again=again)
+        bags = self._store_bags(unit, result)  # also of one that is judged again: it may never be
+        self._store.finish(
+            unit.key, result.grading, problem=problem, again=again, recordings=bags,
+            wall_s=result.wall_s,
+        )  # fmt: skip
         if again:
             self._stalled |= {unit.key} if stalled(result.grading) else set()
-            self._tell(unit, f"will retry, alone, at the end: {problem}", over=False)
-        elif why := self._canaries.graded(unit.key):
+            said = f"will retry, alone, at the end: {problem}"
+            self._progress.done(*unit.key, said, over=False)
+            return
+        grading = result.grading or {}
+        said = f"held: {problem}" if problem else f"{grading['score']}/{grading['max_score']}"
+        self._progress.done(*unit.key, said)
+        if why := self._canaries.graded(unit.key):
             self._hold(unit.key, why)
 
     def _stop_if_disk_full(self, unit: Unit) -> None:
@@ -192,25 +197,10 @@ class GradingRun:
                 self._store.requeue(unit.key)
             raise DiskFull("no space is left")
 
-    def _finish(self, unit: Unit, result: UnitResult, problem: str, *, again: bool) -> None:
-        """Store a result; one that is judged again, too, for that may never come."""
-        self._store.finish(
-            unit.key,
-            result.grading,
-            problem=problem,
-            again=again,
-            recordings=self._store_bags(unit, result),
-            wall_s=result.wall_s,
-        )
-        if problem and not again:
-            self._tell(unit, f"held: {problem}")
-        elif not problem and result.grading is not None:
-            self._tell(unit, f"{result.grading['score']}/{result.grading['max_score']}")
-
-    def _died(self, unit: Unit, why: WorkerDied) -> None:
+    def _died(self, unit: Unit, why: str) -> None:
         counts = self._store.requeue(unit.key, death=True)
         if counts.deaths < MAX_DEATHS:
-            self._tell(unit, f"will retry: {why}", over=False)
+            self._progress.done(*unit.key, f"will retry: {why}", over=False)
             return
         self._hold(unit.key, f"{why}, {counts.deaths} times, at last with no other unit running")
 
@@ -238,5 +228,52 @@ class GradingRun:
         folder.mkdir(parents=True)
         return folder
 
-    def _tell(self, unit: Unit, outcome: str, *, over: bool = True) -> None:
-        self._progress.done(unit.student, unit.exercise, outcome, over=over)
+
+# --- the same recordings, other checks -----------------------------------------------------------
+
+
+def judge_again(
+    store: Store,
+    out: Path,
+    candidates: Mapping[Key, Candidate],
+    options: Options,
+    progress: Progress,
+) -> None:
+    """Judge stored recordings again, with the checks as they are now; no student's code runs."""
+    old = {
+        (one.student, one.exercise): one
+        for one in store.results()
+        if one.state in (GRADED, HELD) and one.recordings is not None
+    }  # others are for an ordinary run
+    units = [_unit(one, out) for key, one in old.items() if key in candidates]
+    units = [unit for unit in units if Path(unit.saved).is_dir()]
+    hashes = {
+        unit.key: candidates[unit.key].input_hash(candidates[unit.key].read()[0], options)
+        for unit in units
+    }
+
+    def done(unit: Unit, result: UnitResult) -> None:
+        if result.grading is None:
+            progress.done(*unit.key, f"as it was: {result.problem}")
+            return
+        before = old[unit.key].grading or {}
+        grading = {**result.grading, "isolation": before.get("isolation", "")}
+        store.regraded(unit.key, grading, unjudged(grading), hashes[unit.key])
+        score = f"{grading['score']}/{grading['max_score']}"
+        progress.done(*unit.key, f"{score}, was {before.get('score', '-')}")
+
+    progress.begin(len(units))
+    left = iter(units)
+    with engine.open_workers(options.workers) as workers:  # the bags are on this machine
+        engine.run(workers, lambda _busy: next(left, None), done)
+
+
+def _unit(result: StoredResult, out: Path) -> Unit:
+    old = result.grading or {}
+    return Unit(
+        result.student,
+        result.exercise,
+        {},
+        field=any(check["kind"] == "field" for check in old.get("checks", ())),
+        saved=str(out / (result.recordings or "")),
+    )

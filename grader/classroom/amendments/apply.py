@@ -188,7 +188,6 @@ def _words(
 
 
 def _lowers(before: StoredResult, after: StoredResult, graded: StoredResult, task: Task) -> bool:
-    """Return whether a changed check would cost points."""
     had, has = (points_of(_judged(each, graded), task) for each in (before, after))
     return had is not None and has is not None and has < had
 
@@ -267,7 +266,6 @@ def _judged(result: StoredResult, before: StoredResult) -> StoredResult:
 def _penalty(
     rule: Late, result: StoredResult, task: Task, points: float, steps: list[str], known: _Known
 ) -> float:
-    """Return the points that lateness costs."""
     row = known.rows.get(result.student)
     handed = row.handed.get(result.exercise) if row else None
     late, guess = lateness(rule, result.student, handed)
