@@ -44,7 +44,6 @@ class Line:
     held: bool = False  # too, and the results say so themselves
 
     def __str__(self) -> str:
-        """Return a line for the terminal."""
         what = ": ".join(dict.fromkeys(filter(None, (self.student, self.entry, self.file))))
         return f"{self.state}: {what}" + (f" ({self.reason})" if self.reason else "")
 
@@ -66,7 +65,6 @@ class Account:
         return {state: found[state] for state in Fate if found[state]}
 
     def csv(self) -> str:
-        """Return the account as a table."""
         return csv_text(
             [HEADER]
             + [
@@ -77,7 +75,6 @@ class Account:
         )  # fmt: skip
 
     def summary(self) -> list[str]:
-        """Return the lines for the terminal."""
         faults = self.faults
         lines = [f"  {line}" for line in faults[:MOST]]
         if len(faults) > MOST:

@@ -14,18 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grader.classroom.amendments.change import (
-    Answer,
-    Comment,
-    Late,
-    Publish,
-    Request,
-    Score,
-    SetCheck,
-    Style,
-    Waive,
-    Whom,
-)
+from grader.classroom.amendments import change as changes
 from grader.classroom.amendments.late import moment_of, span_of, times_of
 from grader.classroom.amendments.log import Entry, active
 from grader.classroom.amendments.people import nearest
@@ -52,7 +41,7 @@ class Named:
     section: str = ""
     everybody: bool = False
 
-    def whom(self, class_: Marking, task: Task | None = None) -> Whom:
+    def whom(self, class_: Marking, task: Task | None = None) -> changes.Whom:
         return class_.whom(self.students, self.section, everybody=self.everybody, task=task)
 
 
@@ -73,27 +62,27 @@ def number(text: object, most: float = math.inf) -> float:
 
 def set_check(
     class_: Marking, named: Named, exercise: str, check: str, points: float, *, may_lower: bool
-) -> SetCheck:
+) -> changes.SetCheck:
     """Return the change by which a check has these points."""
     task = class_.exercise(exercise)
     whom = named.whom(class_, task)
     most = class_.check(task, check, whom)
     if points > most:
         raise InputError(f"{points:g} points: {check} of {task.slug} gives 0 to {most:g}")
-    return SetCheck(task.slug, check, points, whom, may_lower=may_lower)
+    return changes.SetCheck(task.slug, check, points, whom, may_lower=may_lower)
 
 
 def waive(
     class_: Marking, named: Named, exercise: str, check: str, *, may_lower: bool
-) -> Waive:  # fmt: skip
+) -> changes.Waive:  # fmt: skip
     """Return the change by which a check doesn't count."""
     task = class_.exercise(exercise)
     whom = named.whom(class_, task)
     class_.check(task, check, whom)
-    return Waive(task.slug, check, whom, may_lower=may_lower)
+    return changes.Waive(task.slug, check, whom, may_lower=may_lower)
 
 
-def score(class_: Marking, named: Named, exercise: str, points: float) -> Score:
+def score(class_: Marking, named: Named, exercise: str, points: float) -> changes.Score:
     """Return the change by which students have these points."""
     task = class_.exercise(exercise)
     if not named.students:
@@ -101,13 +90,13 @@ def score(class_: Marking, named: Named, exercise: str, points: float) -> Score:
     whom = named.whom(class_, task)
     if points > task.points:
         raise InputError(f"{points:g} points: {task.slug} gives 0 to {task.points:g}")
-    return Score(task.slug, points, whom)
+    return changes.Score(task.slug, points, whom)
 
 
 def late(
     class_: Marking, named: Named, exercise: str, per_day: float, *, deadline: str = "",
     zone: str = "UTC", grace: str = "0", cap: float = 100.0, times: Path | None = None,
-) -> Late:  # fmt: skip
+) -> changes.Late:  # fmt: skip
     """Return the rule by which lateness costs points."""
     task = class_.exercise(exercise)
     whom = named.whom(class_)
@@ -115,13 +104,13 @@ def late(
     if times is not None and not deadline:
         raise InputError("--times needs --deadline: late is what comes after it")
     since = moment_of(deadline, zone) if deadline else ""
-    return Late(task.slug, per_day, since, span_of(grace), cap, zone, known, whom)
+    return changes.Late(task.slug, per_day, since, span_of(grace), cap, zone, known, whom)
 
 
-def publish(class_: Marking, named: Named, exercises: Sequence[str]) -> Publish:
+def publish(class_: Marking, named: Named, exercises: Sequence[str]) -> changes.Publish:
     """Return the change by which students may see their feedback."""
     slugs = tuple(class_.exercise(name).slug for name in exercises)
-    return Publish(slugs, named.whom(class_))
+    return changes.Publish(slugs, named.whom(class_))
 
 
 # --- words ---------------------------------------------------------------------------------------
@@ -129,7 +118,7 @@ def publish(class_: Marking, named: Named, exercises: Sequence[str]) -> Publish:
 
 def comment(
     class_: Marking, student: str, exercise: str, file: str, line: float, words: str
-) -> Comment:
+) -> changes.Comment:
     """Return words on a line of a student's file."""
     task, who = class_.exercise(exercise), class_.student(student)
     texts = class_.store.texts((who, task.slug))
@@ -138,10 +127,14 @@ def comment(
     last = len(lines_of(texts[file]))
     if line != int(line) or not 1 <= line <= last:
         raise InputError(f"line {line:g}: {file} of {who} has lines 1 to {last}")
-    return Comment(task.slug, file, int(line), _words(words), Named([who]).whom(class_, task))
+    return changes.Comment(
+        task.slug, file, int(line), _words(words), Named([who]).whom(class_, task)
+    )
 
 
-def style(class_: Marking, student: str, exercise: str, given: Mapping[str, float]) -> Style:
+def style(
+    class_: Marking, student: str, exercise: str, given: Mapping[str, float]
+) -> changes.Style:
     """Return points for style by the class's rubric."""
     task, rubric = class_.exercise(exercise), rubric_of(class_.out)
     if not rubric:
@@ -158,7 +151,7 @@ def style(class_: Marking, student: str, exercise: str, given: Mapping[str, floa
     for name, points in given.items():
         number(points, rubric[name])
     found = {name: (float(given[name]), most) for name, most in rubric.items()}
-    return Style(task.slug, found, Named([class_.student(student)]).whom(class_, task))
+    return changes.Style(task.slug, found, Named([class_.student(student)]).whom(class_, task))
 
 
 def rubric_of(out: Path) -> dict[str, float]:
@@ -178,7 +171,7 @@ def rubric_of(out: Path) -> dict[str, float]:
 # --- requests ------------------------------------------------------------------------------------
 
 
-def request(class_: Marking, text: str) -> Request:
+def request(class_: Marking, text: str) -> changes.Request:
     """Return what a student asks, by the text of the feedback page."""
     try:
         said = read_in_cell(fields_of, text, returns=dict[str, str])
@@ -187,10 +180,10 @@ def request(class_: Marking, text: str) -> Request:
     who, task = class_.student(said["student"]), class_.exercise(said["exercise"])
     check = said.get("check", "")
     if check:
-        class_.check(task, check, Whom())
+        class_.check(task, check, changes.Whom())
     moment = number(said["moment"].removesuffix("s")) if said.get("moment") else None
     whom = Named([who]).whom(class_, task)
-    change = Request(task.slug, check, moment, _words(said[LAST]), whom)
+    change = changes.Request(task.slug, check, moment, _words(said[LAST]), whom)
     for entry in active(class_.entries):
         if entry.change == change:
             raise InputError(f"entry {entry.number} of the log is this request already")
@@ -205,21 +198,21 @@ def text_of(file: Path) -> str:
     return read_regular_file(file, MOST).decode("utf-8-sig", "replace")
 
 
-def answer(class_: Marking, number_: float, words: str) -> Answer:
+def answer(class_: Marking, number_: float, words: str) -> changes.Answer:
     """Return the answer to a request, by its number in the log."""
     for entry, asked, _ in requests(class_.entries):
         if entry.number == number_:
-            return Answer(entry.number, asked.exercise, _words(words), asked.whom)
+            return changes.Answer(entry.number, asked.exercise, _words(words), asked.whom)
     raise InputError(f"entry {number_:g} of the log is no request that counts")
 
 
-def requests(entries: Sequence[Entry]) -> list[tuple[Entry, Request, list[Entry]]]:
+def requests(entries: Sequence[Entry]) -> list[tuple[Entry, changes.Request, list[Entry]]]:
     """Return the requests that count, each with its answers, the newest first."""
     counting = active(entries)
     found = []
     for entry in reversed(counting):
-        if isinstance(entry.change, Request):
-            mine = [each for each in counting if isinstance(each.change, Answer)
+        if isinstance(entry.change, changes.Request):
+            mine = [each for each in counting if isinstance(each.change, changes.Answer)
                     and each.change.request == entry.number]  # fmt: skip
             found.append((entry, entry.change, mine))
     return found

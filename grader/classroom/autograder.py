@@ -64,7 +64,9 @@ def main(arguments: Sequence[str]) -> int:
     root = Path(arguments[0])
     target = root / "results" / "results.json"
     try:
-        keep_out(root / "source", target.parent)
+        for folder in (root / "source", target.parent):  # students' nodes run as other users
+            folder.mkdir(parents=True, exist_ok=True)
+            folder.chmod(OWN)
         target.unlink(missing_ok=True)
         found = judged(root)
     except (GraderError, InputError, OSError) as error:
@@ -76,13 +78,6 @@ def main(arguments: Sequence[str]) -> int:
     write_text(target, json_text(found))
     echo(f"{found['score']:g} points")
     return 0
-
-
-def keep_out(*folders: Path) -> None:
-    """Leave these folders to the user who runs this; students' nodes run as others."""
-    for folder in folders:
-        folder.mkdir(parents=True, exist_ok=True)
-        folder.chmod(OWN)
 
 
 def judged(root: Path) -> dict[str, Any] | str:
@@ -160,7 +155,6 @@ def submitter(metadata: Path) -> str:
 
 
 def name_in(metadata: IO[bytes]) -> str:
-    """Return the name of a submission's first user."""
     users = json.load(metadata)["users"]
     first = min(users, key=lambda user: int(user["id"]))
     return str(first["name"]).encode("utf-8", "replace").decode()

@@ -199,7 +199,6 @@ class _Writer:
 
 @contextlib.contextmanager
 def _emptied(folder: Path) -> Iterator[None]:
-    """Empty the folder of what a killed run left behind, and remove it at the end."""
     shutil.rmtree(folder, ignore_errors=True)
     try:
         yield

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from grader.authoring.claims import Claim, claims
+from grader.authoring.claims import claims
 from grader.classroom.options import Options
 from grader.classroom.store import Key, Store
 from grader.classroom.work import Unit, UnitResult, stalled
@@ -194,7 +194,12 @@ def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
         return []
     known = list(claims(exercise))
     right = next(claim for claim in known if claim.kind == "reference")
-    wrong = next((claim for claim in known if _is_plain_mutant(claim)), None)
+    mutants = (  # in one file, that fail core checks, without libraries
+        claim for claim in known
+        if claim.kind == "mutant" and not claim.requires
+        and not any(check.startswith("field_") for check in claim.fails)
+    )  # fmt: skip
+    wrong = next(mutants, None)
     return [
         Canary(
             replace(
@@ -209,9 +214,3 @@ def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
         for name, claim in ((REFERENCE, right), (MUTANT, wrong))
         if claim is not None
     ]
-
-
-def _is_plain_mutant(claim: Claim) -> bool:
-    """Return whether a claim is a mutant in one file that fails core checks, without libraries."""
-    core = not any(check.startswith("field_") for check in claim.fails)
-    return claim.kind == "mutant" and core and not claim.requires

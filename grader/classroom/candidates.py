@@ -253,7 +253,6 @@ def _account(
 
 
 def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) -> dict[int, Line]:
-    """Return what became of a student's files."""
     fates: dict[int, Line] = {}
     contrary = {id(file) for each in found.values() for file in each.contrary}
     for slug, each in found.items():

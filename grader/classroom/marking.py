@@ -86,17 +86,14 @@ class Marking:
 
     @property
     def rows(self) -> Mapping[str, StudentRow]:
-        """What is known of the students."""
         return self.options.students
 
     @cached_property
     def students(self) -> list[str]:
-        """Everybody in the class."""
         return sorted({result.student for result in self.results})
 
     @property
     def entries(self) -> list[Entry]:
-        """The log."""
         return self.store.log.entries()
 
     def revision(self, students: Sequence[str] = ()) -> str:
@@ -129,11 +126,9 @@ class Marking:
 
     @property
     def unfinished(self) -> bool:
-        """Whether not all results are written: somebody is at it, was killed, or failed."""
         return bool(self.store.kept(UNWRITTEN))
 
     def student(self, word: str) -> str:
-        """Return the student whom a word means."""
         return the_student(word, self.students, self.rows)
 
     def points(self, student: str) -> list[tuple[StoredResult, str, str]]:
@@ -250,7 +245,6 @@ class Marking:
         return Accept(task.slug, file, Whom((student,)))
 
     def write(self) -> Marked:
-        """Write all results anew."""
         return Marked(None, [], 0, [], self._written()[1])
 
     def counting(self) -> list[StoredResult]:
@@ -300,6 +294,5 @@ def _check_undo(change: Change, entries: Sequence[Entry]) -> None:
 
 
 def is_about(entry: Entry, student: str, rows: Mapping[str, StudentRow]) -> bool:
-    """Return whether an entry is about a student."""
     change = entry.change
     return isinstance(change, Undo) or change.whom.includes(student, rows)

@@ -83,5 +83,4 @@ class Progress:
         return f"  (about {max(1, round(minutes))} min left)"
 
     def say(self, text: str) -> None:
-        """Print a line above the bar."""
         say(self._console, text)

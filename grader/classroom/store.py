@@ -10,7 +10,7 @@ import contextlib
 import hashlib
 import json
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -104,11 +104,9 @@ class Store:
         absent: bool = False,
         compared: int | None = None,
     ) -> None:
-        """Queue a unit unless it is stored unchanged; one with a problem is held.
+        """Queue a unit unless it is stored unchanged; with a problem it is held, unless absent.
 
-        What is `absent` was not handed in: it is neither queued nor held.
-
-        Only the first `compared` characters of the hash count; all by default.
+        Of the hash the first `compared` characters count; all, where none are said.
         """
         with self._change():
             old = self._db.execute(
@@ -124,14 +122,12 @@ class Store:
                 verified=bool(problem) or absent, finished=_now() if problem else "",
             )  # fmt: skip
 
-    def keep_only(self, keys: Iterable[Key], exercises: Iterable[str]) -> int:
-        """Forget units of these exercises whose students are gone; return how many."""
-        kept, looked_at = set(keys), set(exercises)
-        gone = [key for key in self._keys("canary=0") if key[1] in looked_at and key not in kept]
+    def keep_only(self, keys: Collection[Key], exercises: Collection[str]) -> None:
+        """Forget units of these exercises whose students are gone."""
+        gone = [key for key in self._keys("canary=0") if key[1] in exercises and key not in keys]
         with self._change():
             for table in ("units", "texts"):
                 self._db.executemany(f"DELETE FROM {table} WHERE student=? AND exercise=?", gone)
-        return len(gone)
 
     def requeue_running(self) -> None:
         """Put what is marked as running back into the queue: whoever ran it is gone."""
@@ -163,7 +159,6 @@ class Store:
         )  # fmt: skip
 
     def claim(self, key: Key, input_hash: str, file_names: Iterable[str]) -> None:
-        """Mark a unit as running."""
         with self._change():
             self._db.execute(
                 "UPDATE units SET state=?, attempts=attempts+1, finished='', input_hash=?,"
@@ -269,7 +264,6 @@ class Store:
         return {row.student: row for row in rows}
 
     def notes(self) -> list[str]:
-        """Return the remarks."""
         return list(json.loads(self.kept(NOTES) or "[]"))
 
     def waiting(self) -> list[Key]:
@@ -298,14 +292,12 @@ class Store:
         )
         return [
             StoredResult(
-                student=row[0], exercise=row[1], file_names=tuple(json.loads(row[2])),
-                input_hash=row[3], state=row[4],
-                grading=None if row[5] is None else json.loads(row[5]),
-                recordings=None if row[6] is None else Path(row[6]),
-                wall_s=row[7], attempts=row[8], problem=row[9],
-                finished=row[10], canary=bool(row[11]), verified=bool(row[12]),
+                student, exercise, tuple(json.loads(names)), input_hash, state,
+                grading and json.loads(grading), recordings and Path(recordings), wall_s,
+                attempts, problem, finished, bool(canary), bool(verified),
             )
-            for row in rows
+            for student, exercise, names, input_hash, state, grading, recordings, wall_s,
+            attempts, problem, finished, canary, verified in rows
         ]  # fmt: skip
 
     def stamp(self) -> str:
@@ -325,7 +317,6 @@ class Store:
         )
 
     def _set(self, keys: Iterable[Key], **columns: str | float | None) -> None:
-        """Set these columns of these units."""
         names = ", ".join(f"{name}=?" for name in columns)
         with self._change():
             self._db.executemany(

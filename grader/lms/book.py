@@ -26,7 +26,6 @@ class Task:
 
     @property
     def heading(self) -> str:
-        """Number and title."""
         return f"{self.number} · {self.title}"
 
 
@@ -68,7 +67,6 @@ class Mark:
 
     @property
     def student(self) -> str:
-        """The student's folder."""
         return self.row.student
 
     @property
@@ -118,11 +116,9 @@ class Book:
         return self.systems <= ANYWHERE or not self.systems.isdisjoint(systems)
 
     def sheets(self, kind: str) -> list[Sheet]:
-        """Return the roster's sheets of that kind."""
         return [sheet for sheet in self.roster.sheets if sheet.kind == kind]
 
     def row_of(self, sheet: Sheet, mark: Mark) -> tuple[str, ...] | None:
-        """Return a student's row in a sheet."""
         for row, place in zip(sheet.rows, sheet.people, strict=True):
             if self.roster.people[place] == mark.row.person:
                 return row

@@ -88,7 +88,6 @@ def sheet(header: Sequence[str]) -> str:
 
 
 def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
-    """Return a file per exercise."""
     if not book.may_be("canvas"):
         return {}
     files = {f"canvas/{task.slug}.csv": canvas_csv(book, task) for task in tasks}
@@ -96,7 +95,6 @@ def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
 
 
 def canvas_csv(book: Book, task: Task) -> str | None:
-    """Return the file of one exercise; None if nobody has an id of Canvas's."""
     sheets = book.sheets("canvas")
     if sheets:
         return _from_sheet(book, task, sheets[0])
@@ -122,7 +120,8 @@ def canvas_csv(book: Book, task: Task) -> str | None:
 
 
 def _from_sheet(book: Book, task: Task, sheet: Sheet) -> str | None:
-    file, column = f"canvas/{task.slug}.csv", book.column(_assignments(sheet), task)
+    assignments = tuple(each for each in sheet.header if each.endswith(")"))  # with an id
+    file, column = f"canvas/{task.slug}.csv", book.column(assignments or sheet.header, task)
     most = sheet.points.get(column, "") if column else ""
     if column and READ_ONLY in most:
         book.remark(f"Canvas's column {column!r} is read only: nothing is exported for it")
@@ -167,11 +166,6 @@ def feedback(target: BinaryIO, marks: Sequence[Mark], task: Task, pages: Path) -
     pack(target, ((f"{squeezed(mark.handed.name)}_{mark.handed.id}_{upload}_{task.slug}.html",
                    pages / mark.student / f"{task.slug}.html")
                   for upload, mark in sorted(once.items())))  # fmt: skip
-
-
-def _assignments(sheet: Sheet) -> tuple[str, ...]:
-    """Return the headings of assignments: those with an id at the end, else all."""
-    return tuple(each for each in sheet.header if each.endswith(")")) or sheet.header
 
 
 PLATFORM = Platform(

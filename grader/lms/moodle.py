@@ -134,7 +134,6 @@ def _participants(rows: Sequence[Sequence[str]], column: int) -> str | None:
 
 
 def _is_maximum(rows: Sequence[Sequence[str]], column: int) -> bool:
-    """Return whether a column is the points of the assignment, the same for all, after a grade."""
     points = re.compile(r"-?\d+([.,]\d+)?")
     most = {row[column].strip() for row in rows}
     before = {row[column - 1].strip() for row in rows} - {"", "-"}
@@ -175,7 +174,6 @@ def moment(text: str) -> datetime | None:
 
 
 def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
-    """Return a grading worksheet per exercise."""
     if not book.may_be("moodle", KIND):
         return {}
     made = {_file(task): worksheet_csv(book, task, alone=len(tasks) == 1) for task in tasks}

@@ -89,7 +89,6 @@ class Roster:
     sheets: tuple[Sheet, ...] = ()
 
     def is_from(self, path: Path) -> bool:
-        """Return whether the roster was read from this file."""
         return any(path.exists() and path.samefile(sheet.file) for sheet in self.sheets)
 
     def find(self, system: str, name: str, id_: str = "", email: str = "") -> Person | None:

@@ -143,7 +143,10 @@ def _write(
         except (Refused, OSError) as error:
             if cut is None or is_disk_full(error):
                 raise
-            odd.append((name, _unwritten(error)))  # one can't keep out the others
+            why = str(error)  # one can't keep out the others
+            if isinstance(error, OSError):  # too long a name, or a member is a folder called so
+                why = f"can't be written ({error.strerror}); ask for another name"
+            odd.append((name, why))
             continue
         size = 0
         with source, target.open("wb") as file:
@@ -155,13 +158,6 @@ def _write(
                 left.take(len(chunk))
                 file.write(chunk)
     return odd
-
-
-def _unwritten(error: Refused | OSError) -> str:
-    """Return why a member of a class's download is left out."""
-    if isinstance(error, OSError):  # too long a name, or another member is a folder called so
-        return f"can't be written ({error.strerror}); ask for another name"
-    return str(error)
 
 
 class _Allowance:

@@ -8,19 +8,7 @@ from typing import Any
 
 from msgspec.structs import replace as replace_struct
 
-from grader.classroom.amendments.change import (
-    Answer,
-    Assign,
-    Comment,
-    Late,
-    Publish,
-    Score,
-    SetCheck,
-    Style,
-    Undo,
-    Waive,
-    Whom,
-)
+from grader.classroom.amendments import change as changes
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry, style_words
 from grader.classroom.marks import TO_HOLD, checks_of, points_of, tasks_of
@@ -55,7 +43,12 @@ def amended(
     tasks = {task.slug: task for task in tasks_of(results)}
     found = []
     for result in results:
-        mine = [] if result.canary else [each for each in entries if _is_about(each, result, rows)]
+        mine = [
+            each for each in entries
+            if isinstance(each.change, changes.Shown) and not result.canary
+            and each.change.exercise == result.exercise
+            and each.change.whom.includes(result.student, rows)
+        ]  # fmt: skip
         found.append(_amended(result, mine, tasks[result.exercise], known) if mine else result)
     return found, [about(text, students) for text, students in known.remarks.items()]
 
@@ -71,19 +64,19 @@ def _of_this_class(
     theirs = {
         entry.change.was: entry.change.whom.students[0]
         for entry in entries
-        if isinstance(entry.change, Assign) and len(entry.change.whom.students) == 1
+        if isinstance(entry.change, changes.Assign) and len(entry.change.whom.students) == 1
     }
     found = []
     for entry in entries:
         change = entry.change
-        if isinstance(change, Undo) or here.issuperset(change.whom.students):
+        if isinstance(change, changes.Undo) or here.issuperset(change.whom.students):
             found.append(entry)
             continue
         whom = change.whom
         now = {old: old if old in here else theirs.get(old, old) for old in whom.students}
-        for old in (old for old, new in now.items() if new == old and new not in here):
+        for gone in sorted(set(now.values()) - here):
             text = f"Entry {entry.number} of the log is about somebody who is not in the class"
-            known.remark(text, old)
+            known.remark(text, gone)
         versions = {now[old]: hash_ for old, hash_ in whom.versions.items() if old in now}
         whom = replace_struct(whom, students=tuple(now.values()), versions=versions)
         found.append(replace(entry, change=replace_struct(change, whom=whom)))
@@ -95,7 +88,7 @@ def published(
 ) -> set[tuple[str, str]] | None:
     """Return whose feedback is published, by student and exercise; None if nothing ever was."""
     entries = _of_this_class(entries, results, _Known(rows))
-    wanted = [entry.change for entry in entries if isinstance(entry.change, Publish)]
+    wanted = [entry.change for entry in entries if isinstance(entry.change, changes.Publish)]
     if not wanted:
         return None
     return {
@@ -107,14 +100,6 @@ def published(
     }
 
 
-def _is_about(entry: Entry, result: StoredResult, rows: Mapping[str, StudentRow]) -> bool:
-    match entry.change:
-        case SetCheck() | Waive() | Late() | Score() | Comment() | Style() | Answer():
-            same = entry.change.exercise == result.exercise
-            return same and entry.change.whom.includes(result.student, rows)
-    return False
-
-
 def _amended(
     result: StoredResult, entries: Sequence[Entry], task: Task, known: _Known
 ) -> StoredResult:
@@ -122,7 +107,7 @@ def _amended(
     counted: list[Entry] = []
     changed = result
     for entry in entries:
-        if isinstance(change := entry.change, SetCheck | Waive):
+        if isinstance(change := entry.change, changes.SetCheck | changes.Waive):
             said: list[str] = []
             after = _with_check(changed, change, said)
             if after is not None and not change.may_lower and _lowers(changed, after, result, task):
@@ -142,13 +127,13 @@ def _amended(
     if counted:
         changed = _judged(changed, result)
     points = points_of(changed, task)
-    rules = [(entry, entry.change) for entry in entries if isinstance(entry.change, Late)]
+    rules = [(entry, entry.change) for entry in entries if isinstance(entry.change, changes.Late)]
     if rules and points is not None:
         entry, rule = rules[-1]
         penalty = _penalty(rule, result, task, points, steps, known)
         counted += [entry] if penalty else []
         points = round(points - penalty, 2)
-    scores = [(entry, entry.change) for entry in entries if isinstance(entry.change, Score)]
+    scores = [(entry, entry.change) for entry in entries if isinstance(entry.change, changes.Score)]
     if scores:
         entry, given = scores[-1]
         points = min(given.points, task.points)
@@ -160,7 +145,7 @@ def _amended(
     if not counted and not words:
         return result
     numbers = tuple(entry.number for entry in (*counted, *(entry for entry, _ in words)))
-    style = [entry.change for entry, _ in words if isinstance(entry.change, Style)]
+    style = [entry.change for entry, _ in words if isinstance(entry.change, changes.Style)]
     amended_ = Amended(
         points, (*steps, *(said for _, said in words)), numbers, by_hand=bool(scores),
         graded=result, style=style[0].sums if style else None, only_words=not counted,
@@ -171,18 +156,17 @@ def _amended(
 def _words(
     entries: Sequence[Entry], result: StoredResult, known: _Known
 ) -> list[tuple[Entry, str]]:
-    """Return what the student is to read beside the points."""
-    styles = [entry for entry in entries if isinstance(entry.change, Style)]
+    styles = [entry for entry in entries if isinstance(entry.change, changes.Style)]
     found = []
     for entry in entries:
         match entry.change:
-            case Comment() as told:
+            case changes.Comment() as told:
                 found.append((entry, f"{told.file}, line {told.line}: {told.words}"))
                 _note_version(entry, told.whom, result, known)
-            case Style() as told if entry is styles[-1]:
+            case changes.Style() as told if entry is styles[-1]:
                 found.append((entry, f"Beside these points: {style_words(told)}."))
                 _note_version(entry, told.whom, result, known)
-            case Answer() as told:
+            case changes.Answer() as told:
                 found.append((entry, f"Answer to your request: {told.words}"))
     return found
 
@@ -192,7 +176,7 @@ def _lowers(before: StoredResult, after: StoredResult, graded: StoredResult, tas
     return had is not None and has is not None and has < had
 
 
-def _note_version(entry: Entry, whom: Whom, result: StoredResult, known: _Known) -> None:
+def _note_version(entry: Entry, whom: changes.Whom, result: StoredResult, known: _Known) -> None:
     """Remark that a mark was given for another submission than the one that is graded now."""
     then = whom.versions.get(result.student, "")
     if result.student in whom.students and then != version_of(result):
@@ -212,7 +196,7 @@ def version_of(result: StoredResult) -> str:
 
 
 def _with_check(
-    result: StoredResult, change: SetCheck | Waive, steps: list[str]
+    result: StoredResult, change: changes.SetCheck | changes.Waive, steps: list[str]
 ) -> StoredResult | None:
     """Return the result with one check changed; None if it has no such check."""
     grading = result.grading or {}
@@ -224,7 +208,7 @@ def _with_check(
     most, had = (float(check.get(key) or 0) for key in ("max_points", "points"))
     was = f"Before: {check.get('outcome')}, {had:g} of {most:g} points."
     said = str(check.get("message") or "")
-    if isinstance(change, Waive):
+    if isinstance(change, changes.Waive):
         check.update(outcome="skip", points=0, max_points=0, waived=True)
         check["message"] = f"Does not count. {was} {said}".strip()
         steps.append(f"“{title}” does not count.")
@@ -264,7 +248,12 @@ def _judged(result: StoredResult, before: StoredResult) -> StoredResult:
 
 
 def _penalty(
-    rule: Late, result: StoredResult, task: Task, points: float, steps: list[str], known: _Known
+    rule: changes.Late,
+    result: StoredResult,
+    task: Task,
+    points: float,
+    steps: list[str],
+    known: _Known,
 ) -> float:
     row = known.rows.get(result.student)
     handed = row.handed.get(result.exercise) if row else None

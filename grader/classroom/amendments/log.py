@@ -13,21 +13,7 @@ from datetime import UTC, datetime
 
 import msgspec
 
-from grader.classroom.amendments.change import (
-    Accept,
-    Answer,
-    Assign,
-    Change,
-    Comment,
-    Late,
-    Publish,
-    Request,
-    Score,
-    SetCheck,
-    Style,
-    Undo,
-    Waive,
-)
+from grader.classroom.amendments import change as changes
 from grader.errors import InputError
 
 TABLE = """
@@ -45,7 +31,7 @@ class Entry:
     number: int
     at: str  # UTC, ISO 8601
     who: str
-    change: Change
+    change: changes.Change
     why: str
 
 
@@ -58,7 +44,7 @@ class Log:
         self._db = db
         self._transaction = transaction
 
-    def append(self, change: Change, who: str, why: str) -> Entry:
+    def append(self, change: changes.Change, who: str, why: str) -> Entry:
         """Add an entry; it is on disk when this returns.
 
         Raises InputError: there is no reason, or it is too long.
@@ -95,7 +81,9 @@ def active(entries: Sequence[Entry]) -> list[Entry]:
     """Return the entries that count, which are not undone."""
     undone = dict(undone_by(entries))
     return [
-        each for each in entries if each.number not in undone and not isinstance(each.change, Undo)
+        each
+        for each in entries
+        if each.number not in undone and not isinstance(each.change, changes.Undo)
     ]
 
 
@@ -103,50 +91,50 @@ def undone_by(entries: Sequence[Entry]) -> list[tuple[int, int]]:
     """Return the entries that don't count, each with the one that undid it."""
     found: dict[int, int] = {}
     for entry in reversed(entries):
-        if entry.number not in found and isinstance(entry.change, Undo):
+        if entry.number not in found and isinstance(entry.change, changes.Undo):
             found[entry.change.number] = entry.number
     return sorted(found.items())
 
 
-def described(change: Change) -> str:
+def described(change: changes.Change) -> str:
     """Return in words what a change is."""
     match change:
-        case SetCheck():
+        case changes.SetCheck():
             words = f"{change.exercise}: {change.check} has {change.points:g} points"
-        case Waive():
+        case changes.Waive():
             words = f"{change.exercise}: {change.check} does not count"
-        case Late():
+        case changes.Late():
             words = _late(change)
-        case Score():
+        case changes.Score():
             words = f"{change.exercise}: {change.points:g} points"
-        case Publish():
+        case changes.Publish():
             words = f"feedback published: {', '.join(change.exercises) or 'all exercises'}"
-        case Assign():
+        case changes.Assign():
             words = f"{change.was or ', '.join(change.entries)} is theirs"
-        case Accept():
+        case changes.Accept():
             words = f"{change.exercise}: {change.file} counts as its file"
-        case Comment():
+        case changes.Comment():
             words = f"{change.exercise}: on {change.file}, line {change.line}: {change.words}"
-        case Style():
+        case changes.Style():
             words = f"{change.exercise}: {style_words(change)}"
-        case Request():
+        case changes.Request():
             about = f", {change.check}" if change.check else ""
             words = f"{change.exercise}{about}: asks to look again: {change.words}"
-        case Answer():
+        case changes.Answer():
             words = f"{change.exercise}: answer to request {change.request}: {change.words}"
-        case Undo():
+        case changes.Undo():
             return f"entry {change.number} is undone"
     return f"{words} ({change.whom})"
 
 
-def style_words(style: Style) -> str:
+def style_words(style: changes.Style) -> str:
     """Return the points for style in words."""
     single = "; ".join(f"{name} {won:g} of {most:g}" for name, (won, most) in style.given.items())
     won, most = style.sums
     return f"style {won:g} of {most:g} ({single})"
 
 
-def _late(rule: Late) -> str:
+def _late(rule: changes.Late) -> str:
     when = f"after {rule.deadline}" if rule.deadline else "what the platform calls late"
     words = f"{rule.exercise}: {when}, {rule.per_day:g} % of the points a day"
     words += f", {duration(rule.grace)} of grace" if rule.grace else ""
@@ -162,8 +150,8 @@ def duration(seconds: float) -> str:
     return f"{seconds:g} s"
 
 
-def _change(text: str) -> Change:
-    found: Change = msgspec.json.decode(text, type=Change)
+def _change(text: str) -> changes.Change:
+    found: changes.Change = msgspec.json.decode(text, type=changes.Change)
     return found
 
 

@@ -248,13 +248,13 @@ def _size(path: Path) -> int:
 
 
 def left_over(student: Student, used: Collection[HandedIn]) -> list[HandedIn]:
-    """Return the files that may be work under another name: Python, notebooks, archives."""
+    """Return the files that may be work under another name: Python, archives."""
     known = {id(file) for file in used}
-    return [file for file in student.files if id(file) not in known and _may_be_work(file.name)]
-
-
-def _may_be_work(name: str) -> bool:
-    return name.lower().endswith(WORK) or is_archive(name) or is_unread_archive(name)
+    return [
+        file for file in student.files
+        if id(file) not in known
+        and (_is_python(file) or is_archive(file.name) or is_unread_archive(file.name))
+    ]  # fmt: skip
 
 
 def _called(name: str, files: Sequence[HandedIn]) -> list[HandedIn]:

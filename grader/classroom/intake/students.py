@@ -227,7 +227,6 @@ def _opened_up(
 def _unpacked(
     student: Student, file: HandedIn, room: Path, set_aside: list[SetAside]
 ) -> list[HandedIn]:
-    """Return what is in an archive."""
     if is_unread_archive(file.name):
         student.problems.append(f"{file.name}: {UNREAD}")
         return []
@@ -258,7 +257,6 @@ def _unpacked(
 
 
 def _open_notebooks(student: Student, room: Path) -> None:
-    """Add the files that the notebooks' cells write."""
     there = [file for file in student.files if file.name.lower().endswith(notebooks.SUFFIX)]
     for number, file in enumerate(there[:MAX_NOTEBOOKS]):
         try:

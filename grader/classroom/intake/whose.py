@@ -211,14 +211,14 @@ class _Class:
                     return row.student
         for word in words:
             row_of = self._seen.get(word, "")
-            if row_of and not self._contrary(person, self._known.rows[row_of].person):
+            theirs = self._known.rows[row_of].person.ids if row_of else {}
+            contrary = any(person.ids.get(kind) and theirs.get(kind)
+                           and person.ids[kind].casefold() != theirs[kind].casefold()
+                           for kind in STRONG)  # fmt: skip
+            if row_of and not contrary:
                 return row_of
         return next((row.student for row in self._known.rows.values() if self._fits(person, row)),
                     "")  # fmt: skip
-
-    def _contrary(self, one: Person, other: Person) -> bool:
-        return any(one.ids.get(kind, "").casefold() != other.ids[kind].casefold()
-                   for kind in STRONG if other.ids.get(kind) and one.ids.get(kind))  # fmt: skip
 
     def _fits(self, person: Person, row: StudentRow) -> bool:
         """Return whether a row without ids is a person's, by the only name that both have."""

@@ -54,11 +54,11 @@ def class_page(
         missing=missing,
         facts=_facts(results, tasks, len(held)),
         held=held,
-        nothing=_nothing(results),
+        nothing=sorted(
+            {r.student for r in results} - {r.student for r in results if not is_absent(r)}
+        ),
         exercises=[_exercise(results, task, options) for task in tasks],
-        sections=[
-            (title, _rows(mine, tasks)) for title, mine in sections_of(results, options).items()
-        ],
+        sections=_sections(results, tasks, options),
         tasks=tasks,
         students=list(_students(results, tasks, options)),
         changes=[
@@ -72,14 +72,23 @@ def class_page(
     )
 
 
-def sections_of(results: Results, options: ResultOptions) -> dict[str, list[StoredResult]]:
-    """Return the results by section of the roster, in order; {} if it has none."""
+def _sections(
+    results: Results, tasks: Sequence[Task], options: ResultOptions
+) -> list[tuple[str, list[tuple[Task, Results, Distribution]]]]:
+    """Return the results by section of the roster and by exercise; [] if it has no sections."""
     found: dict[str, list[StoredResult]] = {}
     for result in results:
         row = options.students.get(result.student)
         if row is not None and row.person.section:
             found.setdefault(row.person.section, []).append(result)
-    return dict(sorted(found.items()))
+    by_task = {
+        title: [(task, [r for r in mine if r.exercise == task.slug]) for task in tasks]
+        for title, mine in sorted(found.items())
+    }
+    return [
+        (title, [(task, theirs, distribution(theirs, task)) for task, theirs in each])
+        for title, each in by_task.items()
+    ]
 
 
 def _facts(results: Results, tasks: Sequence[Task], held: int) -> list[str]:
@@ -94,12 +103,6 @@ def _facts(results: Results, tasks: Sequence[Task], held: int) -> list[str]:
         f"last graded {moment(last)}" if last else "",
     ]
     return [fact for fact in facts if fact]
-
-
-def _nothing(results: Results) -> list[str]:
-    """Return who handed in nothing at all."""
-    here = {result.student for result in results if not is_absent(result)}
-    return sorted({result.student for result in results} - here)
 
 
 def _exercise(results: Results, task: Task, options: ResultOptions) -> _Exercise:
@@ -118,12 +121,6 @@ def _exercise(results: Results, task: Task, options: ResultOptions) -> _Exercise
         f"{sum(map(bool, ready))} of {asked}" if asked else NOTHING,
         options.alike.get(task.slug),
     )
-
-
-def _rows(mine: Results, tasks: Sequence[Task]) -> list[tuple[Task, Results, Distribution]]:
-    """Return a section's results by exercise."""
-    by_task = [(task, [r for r in mine if r.exercise == task.slug]) for task in tasks]
-    return [(task, theirs, distribution(theirs, task)) for task, theirs in by_task]
 
 
 def _students(

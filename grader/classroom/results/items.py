@@ -61,12 +61,10 @@ class Distribution:
 
     @property
     def mean(self) -> float | None:
-        """Mean."""
         return statistics.fmean(self.scores) if self.scores else None
 
     @property
     def median(self) -> float | None:
-        """Median."""
         return statistics.median(self.scores) if self.scores else None
 
     @property

@@ -7,18 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from grader.classroom.marks import (
-    as_shown,
-    cap_of,
-    checks_of,
-    is_absent,
-    is_graded,
-    is_held,
-    points_of,
-    raw_points,
-    state_of,
-    why_held,
-)
+from grader.classroom import marks
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.row import GRADED, StoredResult, as_graded
 from grader.lms.book import Book, Mark, StudentRow, Task
@@ -38,7 +27,6 @@ def scores_csv(
     tasks: Mapping[str, Task],
     students: Mapping[str, StudentRow] | None = None,
 ) -> str:
-    """Return the table."""
     known = students or {}
     rows = [
         _row(result, tasks[result.exercise], known.get(result.student, StudentRow("")))
@@ -53,9 +41,9 @@ def mark_of(result: StoredResult, task: Task, row: StudentRow | None = None) -> 
     return Mark(
         result.exercise,
         row or StudentRow(result.student),
-        points_of(result, task),
-        (*(changed.steps if changed else ()), *filter(None, [cap_of(result)])),
-        checks_of(result),
+        marks.points_of(result, task),
+        (*(changed.steps if changed else ()), *filter(None, [marks.cap_of(result)])),
+        marks.checks_of(result),
         result.wall_s,
     )
 
@@ -64,19 +52,19 @@ def book_of(
     results: Sequence[StoredResult], tasks: Mapping[str, Task], options: ResultOptions
 ) -> Book:
     """Return the class as the gradebooks see it: what was handed in, or has points."""
-    marks = [
+    entries = [
         mark_of(one, tasks[one.exercise], options.students.get(one.student))
-        for one in (as_shown(result, options.hidden) for result in results)
-        if not is_absent(one)
+        for one in (marks.as_shown(result, options.hidden) for result in results)
+        if not marks.is_absent(one)
     ]
-    return Book(marks, options.students, options.roster, options.columns)
+    return Book(entries, options.students, options.roster, options.columns)
 
 
 def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
     handed = row.handed.get(result.exercise)
     id_ = next((row.person.ids[kind] for kind in ID_FIRST if row.person.ids.get(kind)), "")
-    score, most, raw = raw_points(result) if is_graded(result) else (None, None, None)
-    core = [check for check in checks_of(result) if check.get("kind") != "field"]
+    score, most, raw = marks.raw_points(result) if marks.is_graded(result) else (None, None, None)
+    core = [check for check in marks.checks_of(result) if check.get("kind") != "field"]
     counts = [sum(c.get("outcome") == o for c in core) for o in ("pass", "fail", "skip")]
     ready = (result.grading or {}).get("field_ready")
     return [
@@ -85,8 +73,8 @@ def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
         Verbatim(id_ or (handed.id if handed else "")),
         row.person.section,
         result.exercise,
-        state_of(result),
-        points_of(result, task),
+        marks.state_of(result),
+        marks.points_of(result, task),
         task.points,
         score,
         most,
@@ -98,8 +86,8 @@ def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
         Verbatim(handed.time if handed else ""),
         "late" if handed and handed.late else "",
         result.finished,
-        why_held(result).reason if is_held(result) else result.problem,
-        points_of(as_graded(result), task) if result.amended else None,
+        marks.why_held(result).reason if marks.is_held(result) else result.problem,
+        marks.points_of(as_graded(result), task) if result.amended else None,
         " ".join(result.amended.steps) if result.amended else "",
         *((result.amended and result.amended.style) or (None, None)),
     ]

@@ -49,7 +49,6 @@ class Written:
     missing: list[str] = field(default_factory=list)  # a line each
 
     def text(self, name: str, text: str) -> None:
-        """Write a file."""
         self.files.append(write_text(self.out / name, text))
 
     @contextlib.contextmanager
@@ -76,9 +75,15 @@ def write_results(
     Raises OSError: a full disk, or a folder that can't be written.
     """
     options, done = options or ResultOptions(), Written(out)
-    known, tasks = _in_order(results)
+    known = [result for result in results if not result.canary]
+    tasks = {task.slug: task for task in tasks_of(known)}
+    order = list(tasks)
+    known.sort(key=lambda each: (each.student, order.index(each.exercise)))
     book = book_of(known, tasks, options)
-    _write_tables(known, tasks, options, done)
+    done.text("scores.csv", BOM + scores_csv(known, tasks, options.students))
+    (out / "intake.csv").unlink(missing_ok=True)
+    if options.account.lines:
+        done.text("intake.csv", BOM + options.account.csv())
     _write_gradebooks(book, tasks, options, done)
     for each in _made([r for r in known if r.student not in same], tasks, options, out):
         done.files.extend(each.files)
@@ -91,36 +96,14 @@ def write_results(
         for name, text in check_pages(known, tasks.values(), options):
             done.text(name, text)
     options = replace(options, notes=[*options.notes, *book.remarks], files=_there(done))
-    _write_class_page(known, tasks, options, done)
+    page = ""
+    with done.part(CLASS_PAGE):
+        page = class_page(known, list(tasks.values()), options, done.missing)
+    done.text(CLASS_PAGE, page or render("bare.html", "class report", missing=done.missing))
     return done
 
 
-def _in_order(results: Results) -> tuple[Results, Tasks]:
-    """Return what students handed in, with the exercises, in their orders."""
-    known = [result for result in results if not result.canary]
-    tasks = {task.slug: task for task in tasks_of(known)}
-    order = list(tasks)
-    return sorted(known, key=lambda each: (each.student, order.index(each.exercise))), tasks
-
-
-def _write_class_page(
-    results: Results, tasks: Tasks, options: ResultOptions, done: Written
-) -> None:
-    """Write class.html; if it can't be made, a bare page with what is missing."""
-    text = ""
-    with done.part(CLASS_PAGE):
-        text = class_page(results, list(tasks.values()), options, done.missing)
-    done.text(CLASS_PAGE, text or render("bare.html", "class report", missing=done.missing))
-
-
 # --- gradebooks ----------------------------------------------------------------------------------
-
-
-def _write_tables(results: Results, tasks: Tasks, options: ResultOptions, done: Written) -> None:
-    done.text("scores.csv", BOM + scores_csv(results, tasks, options.students))
-    (done.out / "intake.csv").unlink(missing_ok=True)
-    if options.account.lines:
-        done.text("intake.csv", BOM + options.account.csv())
 
 
 def _write_gradebooks(book: Book, tasks: Tasks, options: ResultOptions, done: Written) -> None:
@@ -171,7 +154,6 @@ def _there(done: Written) -> list[tuple[str, str, tuple[str, ...]]]:
 
 
 def _made(results: Results, tasks: Tasks, options: ResultOptions, out: Path) -> Iterator[Written]:
-    """Make the pages, in several processes if there are many."""
     students = [list(mine) for _, mine in groupby(results, key=lambda result: result.student)]
     # what a process needs to know
     about = ResultOptions(options.hide, options.title)
