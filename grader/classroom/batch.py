@@ -16,7 +16,7 @@ from grader.classroom.amendments.people import the_student
 from grader.classroom.candidates import Class, find_class
 from grader.classroom.entering import enter_candidates, known_of
 from grader.classroom.folder import ALIKE, STORE, locked, write_class
-from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun, judge_again
+from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.intake.whose import NOTHING_KNOWN
 from grader.classroom.options import Options, refuse_another
 from grader.classroom.progress import Progress
@@ -106,13 +106,13 @@ def autograde(
             for key, candidate in taken_in.candidates.items()
             if not only or not regrade or key[0] in only
         }
-        about = store, out, candidates, options, progress
+        run = GradingRun(store, out, candidates, options, progress)
         notes: list[str] = []
         try:
             if regrade:
-                judge_again(*about)
+                run.judge_again()
             else:
-                notes = GradingRun(*about).run()
+                notes = run.run()
         except KeyboardInterrupt:
             store.requeue_running()
             progress.say("interrupted: writing what is graded; Ctrl-C again leaves at once")

@@ -7,6 +7,7 @@ import shutil
 import tarfile
 import tempfile
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from grader.classroom import engine
@@ -27,28 +28,20 @@ RECORDINGS = "recordings"
 PARTS = ".part"  # below RECORDINGS: bags that are being written
 
 
+@dataclass
 class GradingRun:
     """One run over the queue of a class."""
 
-    def __init__(
-        self,
-        store: Store,
-        out: Path,
-        candidates: Mapping[Key, Candidate],
-        options: Options,
-        progress: Progress,
-    ) -> None:
-        self._store = store
-        self._out = out
-        self._candidates = candidates
-        self._options = options
-        self._progress = progress
-        self._running: set[Key] = set()
-        self._bag_folders = 0  # made so far
-        self._exercises = {key[1]: each.exercise for key, each in candidates.items()}
-        self._stalled: set[Key] = set()  # units that wait for a second judgement
-        self._in_vain = 0  # second judgements in a row that stalled, too
-        self._canaries: Canaries
+    store: Store
+    out: Path
+    candidates: Mapping[Key, Candidate]
+    options: Options
+    progress: Progress
+    _running: set[Key] = field(default_factory=set)
+    _bag_folders: int = 0  # made so far
+    _stalled: set[Key] = field(default_factory=set)  # units that wait for a second judgement
+    _in_vain: int = 0  # second judgements in a row that stalled, too
+    _canaries: Canaries = field(init=False)
 
     def run(self) -> list[str]:
         """Grade what waits; return what the report should say of this run.
@@ -56,25 +49,26 @@ class GradingRun:
         Raises InputError: code would run without isolation.
         """
         waiting = self._waiting()
-        there = sum(not each.absent for each in self._candidates.values())
-        self._progress.begin(len(waiting), there - len(waiting))
-        unverified = any(self._store.unverified(slug) for slug in self._exercises)
-        if not waiting and not (self._options.canaries and unverified):
+        there = sum(not each.absent for each in self.candidates.values())
+        self.progress.begin(len(waiting), there - len(waiting))
+        exercises = {key[1]: each.exercise for key, each in self.candidates.items()}
+        unverified = any(map(self.store.unverified, exercises))
+        if not waiting and not (self.options.canaries and unverified):
             return []
-        self._canaries = Canaries(self._store, self._exercises, self._options)
-        with engine.open_workers(self._options.workers, self._options.dask) as workers:
-            if not self._options.trust and (problem := engine.refusal(workers)):
+        self._canaries = Canaries(self.store, exercises, self.options)
+        with engine.open_workers(self.options.workers, self.options.dask) as workers:
+            if not self.options.trust and (problem := engine.refusal(workers)):
                 raise InputError(problem)
             engine.run(workers, self._next, self._done)
         return self._canaries.notes()
 
     def _waiting(self) -> list[Key]:
-        known = (key for key in self._store.waiting() if key in self._candidates)
+        known = (key for key in self.store.waiting() if key in self.candidates)
         return [key for key in known if key not in self._running]
 
     def _hold(self, key: Key, problem: str) -> None:
-        self._store.hold(key, problem)
-        self._progress.done(*key, f"held: {problem}")
+        self.store.hold(key, problem)
+        self.progress.done(*key, f"held: {problem}")
 
     # --- what runs next --------------------------------------------------------------------------
 
@@ -94,9 +88,9 @@ class GradingRun:
                 self._hold(key, f"{STALLS}; not judged again, since {MAX_IN_VAIN} others stalled "
                                "even with nothing beside them")  # fmt: skip
                 continue
-            if self._candidates[key].leader and self._left_to_leader(key):
+            if self.candidates[key].leader and self._left_to_leader(key):
                 continue
-            counts = self._store.counts(key)
+            counts = self.store.counts(key)
             alone = counts.deaths >= MAX_DEATHS - 1 or counts.unsure > 0
             if alone and busy:
                 return None
@@ -107,28 +101,28 @@ class GradingRun:
 
     def _left_to_leader(self, key: Key) -> bool:
         """Return whether a member of a group gets, or has got, what its leader gets."""
-        candidate, leader = self._candidates[key], (self._candidates[key].leader, key[1])
+        candidate, leader = self.candidates[key], (self.candidates[key].leader, key[1])
         files, _ = candidate.read()
-        if self._store.share(leader, key, candidate.input_hash(files, self._options)):
-            self._progress.done(*key, f"as {leader[0]}, with whom they handed in")
+        if self.store.share(leader, key, candidate.input_hash(files, self.options)):
+            self.progress.done(*key, f"as {leader[0]}, with whom they handed in")
             return True
-        return leader in self._running or leader in self._store.waiting()
+        return leader in self._running or leader in self.store.waiting()
 
     def _unit(self, key: Key, *, alone: bool = False) -> Unit | None:
-        candidate = self._candidates[key]
+        candidate = self.candidates[key]
         files, problem = candidate.read()
         if problem:
             self._hold(key, problem)
             return None
         bag_folder = ""
-        if self._options.bags and not self._options.dask:
+        if self.options.bags and not self.options.dask:
             bag_folder = str(self._new_bag_folder().resolve())
         self._running.add(key)
-        self._store.claim(key, candidate.input_hash(files, self._options), candidate.found.files)
+        self.store.claim(key, candidate.input_hash(files, self.options), candidate.found.files)
         return Unit(
-            *key, files, seed=candidate.seed, field=self._options.field,
-            bags=self._options.bags, bag_folder=bag_folder,
-            trust=self._options.trust, alone=alone,
+            *key, files, seed=candidate.seed, field=self.options.field,
+            bags=self.options.bags, bag_folder=bag_folder,
+            trust=self.options.trust, alone=alone,
         )  # fmt: skip
 
     def _done(self, unit: Unit, result: UnitResult) -> None:
@@ -148,9 +142,9 @@ class GradingRun:
 
     def _follow(self, verdict: Verdict) -> None:
         if verdict.note:
-            self._store.note(verdict.note)
-            self._progress.say(verdict.note)
-        self._store.quarantine(verdict.again)
+            self.store.note(verdict.note)
+            self.progress.say(verdict.note)
+        self.store.quarantine(verdict.again)
         for key in dict.fromkeys(verdict.held):
             self._hold(key, verdict.why)
 
@@ -168,22 +162,22 @@ class GradingRun:
             self._canaries.doubt(unit.exercise)  # was it the submission, or the grader?
         elif unit.alone:
             self._in_vain = 0
-        again = bool(problem) and self._store.counts(unit.key).unsure + 1 < MAX_UNSURE
+        again = bool(problem) and self.store.counts(unit.key).unsure + 1 < MAX_UNSURE
         if problem and not again:
             problem = f"{problem}; {TWICE}"
         bags = self._store_bags(unit, result)  # also of one that is judged again: it may never be
-        self._store.finish(
+        self.store.finish(
             unit.key, result.grading, problem=problem, again=again, recordings=bags,
             wall_s=result.wall_s,
         )  # fmt: skip
         if again:
             self._stalled |= {unit.key} if stalled(result.grading) else set()
             said = f"will retry, alone, at the end: {problem}"
-            self._progress.done(*unit.key, said, over=False)
+            self.progress.done(*unit.key, said, over=False)
             return
         grading = result.grading or {}
         said = f"held: {problem}" if problem else f"{grading['score']}/{grading['max_score']}"
-        self._progress.done(*unit.key, said)
+        self.progress.done(*unit.key, said)
         if why := self._canaries.graded(unit.key):
             self._hold(unit.key, why)
 
@@ -192,29 +186,29 @@ class GradingRun:
 
         Raises DiskFull: the disk is full with the unit over: the next one would end as it did.
         """
-        if not self._options.dask and not has_space(self._out, Path(tempfile.gettempdir())):
+        if not self.options.dask and not has_space(self.out, Path(tempfile.gettempdir())):
             if not unit.canary:
-                self._store.requeue(unit.key)
+                self.store.requeue(unit.key)
             raise DiskFull("no space is left")
 
     def _died(self, unit: Unit, why: str) -> None:
-        counts = self._store.requeue(unit.key, death=True)
+        counts = self.store.requeue(unit.key, death=True)
         if counts.deaths < MAX_DEATHS:
-            self._progress.done(*unit.key, f"will retry: {why}", over=False)
+            self.progress.done(*unit.key, f"will retry: {why}", over=False)
             return
         self._hold(unit.key, f"{why}, {counts.deaths} times, at last with no other unit running")
 
     def _store_bags(self, unit: Unit, result: UnitResult) -> str | None:
         """Move the recordings to their place, which comes before the result is stored."""
         sent = unit.bag_folder or result.bags
-        if not self._options.bags or result.grading is None or not sent:
+        if not self.options.bags or result.grading is None or not sent:
             return None
-        place = self._out / RECORDINGS / unit.student / unit.exercise
+        place = self.out / RECORDINGS / unit.student / unit.exercise
         part = Path(unit.bag_folder) if unit.bag_folder else self._unpacked(result.bags)
         shutil.rmtree(place, ignore_errors=True)
         place.parent.mkdir(parents=True, exist_ok=True)
         part.rename(place)
-        return str(place.relative_to(self._out))
+        return str(place.relative_to(self.out))
 
     def _unpacked(self, bags: bytes) -> Path:
         folder = self._new_bag_folder()
@@ -224,51 +218,40 @@ class GradingRun:
 
     def _new_bag_folder(self) -> Path:
         self._bag_folders += 1
-        folder = self._out / RECORDINGS / PARTS / str(self._bag_folders)
+        folder = self.out / RECORDINGS / PARTS / str(self._bag_folders)
         folder.mkdir(parents=True)
         return folder
 
+    # --- the same recordings, other checks -------------------------------------------------------
 
-# --- the same recordings, other checks -----------------------------------------------------------
+    def judge_again(self) -> None:
+        """Judge stored recordings again, by the checks as they are now; no student's code runs."""
+        old = {
+            (one.student, one.exercise): one
+            for one in self.store.results()
+            if one.state in (GRADED, HELD) and one.recordings is not None
+        }  # others are for an ordinary run
+        units = [_saved(one, self.out) for key, one in old.items() if key in self.candidates]
+        units = [unit for unit in units if Path(unit.saved).is_dir()]
 
+        def done(unit: Unit, result: UnitResult) -> None:
+            if result.grading is None:
+                self.progress.done(*unit.key, f"as it was: {result.problem}")
+                return
+            before, candidate = old[unit.key].grading or {}, self.candidates[unit.key]
+            input_hash = candidate.input_hash(candidate.read()[0], self.options)
+            grading = {**result.grading, "isolation": before.get("isolation", "")}
+            self.store.regraded(unit.key, grading, unjudged(grading), input_hash)
+            score = f"{grading['score']}/{grading['max_score']}"
+            self.progress.done(*unit.key, f"{score}, was {before.get('score', '-')}")
 
-def judge_again(
-    store: Store,
-    out: Path,
-    candidates: Mapping[Key, Candidate],
-    options: Options,
-    progress: Progress,
-) -> None:
-    """Judge stored recordings again, with the checks as they are now; no student's code runs."""
-    old = {
-        (one.student, one.exercise): one
-        for one in store.results()
-        if one.state in (GRADED, HELD) and one.recordings is not None
-    }  # others are for an ordinary run
-    units = [_unit(one, out) for key, one in old.items() if key in candidates]
-    units = [unit for unit in units if Path(unit.saved).is_dir()]
-    hashes = {
-        unit.key: candidates[unit.key].input_hash(candidates[unit.key].read()[0], options)
-        for unit in units
-    }
-
-    def done(unit: Unit, result: UnitResult) -> None:
-        if result.grading is None:
-            progress.done(*unit.key, f"as it was: {result.problem}")
-            return
-        before = old[unit.key].grading or {}
-        grading = {**result.grading, "isolation": before.get("isolation", "")}
-        store.regraded(unit.key, grading, unjudged(grading), hashes[unit.key])
-        score = f"{grading['score']}/{grading['max_score']}"
-        progress.done(*unit.key, f"{score}, was {before.get('score', '-')}")
-
-    progress.begin(len(units))
-    left = iter(units)
-    with engine.open_workers(options.workers) as workers:  # the bags are on this machine
-        engine.run(workers, lambda _busy: next(left, None), done)
+        self.progress.begin(len(units))
+        left = iter(units)
+        with engine.open_workers(self.options.workers) as workers:  # the bags are on this machine
+            engine.run(workers, lambda _busy: next(left, None), done)
 
 
-def _unit(result: StoredResult, out: Path) -> Unit:
+def _saved(result: StoredResult, out: Path) -> Unit:
     old = result.grading or {}
     return Unit(
         result.student,

@@ -168,12 +168,4 @@ def feedback(target: BinaryIO, marks: Sequence[Mark], task: Task, pages: Path) -
                   for upload, mark in sorted(once.items())))  # fmt: skip
 
 
-PLATFORM = Platform(
-    "Canvas",
-    read,
-    sheet,
-    gradebook,
-    feedback,
-    folder="canvas",
-    what="Canvas gradebook, a file per exercise; feedback files",
-)
+PLATFORM = Platform("Canvas", read, sheet, gradebook, feedback, folder="canvas")

@@ -264,12 +264,4 @@ def _folder(mark: Mark) -> str:
     return f"{name}_{mark.handed.id}_assignfeedback_file"
 
 
-PLATFORM = Platform(
-    "Moodle",
-    read,
-    sheet,
-    gradebook,
-    feedback,
-    folder="moodle",
-    what="Moodle: grading worksheets, feedback files",
-)
+PLATFORM = Platform("Moodle", read, sheet, gradebook, feedback, folder="moodle")

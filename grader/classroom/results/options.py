@@ -38,8 +38,7 @@ class ResultOptions:
     title: str = "Bridging Python agents with rclpy"  # of the course
     notes: list[str] = field(default_factory=list)  # the batch's notes, a sentence each
     alike: Mapping[str, Alike] = field(default_factory=dict)  # by exercise, if compared
-    # what else is written: a file or a folder, what it is, and the files' paths from the report
-    files: Sequence[tuple[str, str, tuple[str, ...]]] = ()
+    files: Sequence[str] = ()  # the tables and zips beside the report
     workers: int = 1  # processes that make the feedback pages
     account: Account = field(default_factory=Account)  # what became of each file
     students: Mapping[str, StudentRow] = field(default_factory=dict)  # by `StoredResult.student`

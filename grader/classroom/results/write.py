@@ -37,7 +37,6 @@ ENDED = (
 )
 Results = Sequence[StoredResult]
 Tasks = Mapping[str, Task]  # by slug, in the order of the lesson
-OURS = {"scores.csv": "every grading, for a spreadsheet", "intake.csv": "what became of each file"}
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,10 @@ def write_results(
     with done.part(CHECKS):
         for name, text in check_pages(known, tasks.values(), options):
             done.text(name, text)
-    options = replace(options, notes=[*options.notes, *book.remarks], files=_there(done))
+    tables = sorted(
+        path.relative_to(out).as_posix() for path in done.files if path.suffix in (".csv", ".zip")
+    )
+    options = replace(options, notes=[*options.notes, *book.remarks], files=tables)
     page = ""
     with done.part(CLASS_PAGE):
         page = class_page(known, list(tasks.values()), options, done.missing)
@@ -110,7 +112,7 @@ def _write_gradebooks(book: Book, tasks: Tasks, options: ResultOptions, done: Wr
     """Write all files for gradebooks; older ones would be taken for this run's, and are removed."""
     every = list(tasks.values())
     for platform in PLATFORMS:
-        if platform.what:
+        if platform.folder:
             shutil.rmtree(done.out / platform.folder, ignore_errors=True)
         with done.part(f"{platform.name}'s files"):
             for name, text in platform.gradebook(book, every).items():
@@ -136,18 +138,6 @@ def _write_feedback_zips(book: Book, tasks: Tasks, options: ResultOptions, done:
                 with replacing(path) as file:
                     platform.feedback(file, marks, task, done.out / "feedback")
                 done.files.append(path)
-
-
-def _there(done: Written) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Return what was written for the report's last lines; of folders, the files in them."""
-    names = sorted(path.relative_to(done.out).as_posix() for path in done.files)
-    every = OURS | {each.folder: each.what for each in PLATFORMS if each.what}
-    found = []
-    for name, what in every.items():
-        inside = tuple(each for each in names if each == name or each.rpartition("/")[0] == name)
-        if inside:
-            found.append((name if inside == (name,) else f"{name}/", what, inside))
-    return found
 
 
 # --- students' pages -----------------------------------------------------------------------------

@@ -189,19 +189,18 @@ def test_progress_counts_each_unit_once_and_to_its_total(
     grade_class: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = io.StringIO()
-    with Progress(Console(file=out, width=200)) as progress:
-        monkeypatch.setattr("fake_class.Quiet", lambda: progress)
-        _, workers, _ = grade_class(Drifting(), canaries=25)
+    monkeypatch.setattr("fake_class.Quiet", lambda: Progress(Console(file=out, width=200)))
+    _, workers, _ = grade_class(Drifting(), canaries=25)
     assert workers.students == ["ann", "bob", "eve"] * 2
     assert shown(out) == ["1/3", "2/3", "3/3", "3/3", "3/3", "3/3"]
 
 
 def test_progress_prints_whatever_a_student_wrote(capsys: pytest.CaptureFixture[str]) -> None:
     out = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
-    with Progress(Console(file=out, width=200)) as progress:
-        progress.begin(1)
-        progress.done("Zoë\udcff", "goal_seeking", "held: \x1b[31mred\n1/1 \udcff ünsafe")
-        progress.say("note: \udcff \x1b]0;title\x07")
+    progress = Progress(Console(file=out, width=200))
+    progress.begin(1)
+    progress.done("Zoë\udcff", "goal_seeking", "held: \x1b[31mred\n1/1 \udcff ünsafe")
+    progress.say("note: \udcff \x1b]0;title\x07")
     out.flush()
     said = out.buffer.getvalue().decode("ascii").splitlines()
     assert len(said) == 2
