@@ -22,8 +22,8 @@ from grader.course.students import Seed, student_key
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
 from grader.lms.book import Handed, StudentRow
+from grader.lms.moodle import times
 from grader.lms.people import NO_PERSON, Roster
-from grader.lms.times import times
 
 MOST_SHOWN = 20  # files of a student's for a person to read
 LONGEST_SHOWN = 100_000  # [bytes] of each

@@ -20,7 +20,6 @@ from concurrent.futures import (
     ProcessPoolExecutor,
     wait,
 )
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -91,46 +90,34 @@ def _outcome(future: Future[UnitResult]) -> UnitResult:
         return UnitResult(None, f"its worker failed ({type(error).__name__})", died=True)
 
 
-@dataclass
-class _Slot:
-    """One local worker and what it runs."""
-
-    executor: ProcessPoolExecutor
-    task: Future[Any] | None = None
-
-    @property
-    def free(self) -> bool:
-        return self.task is None or self.task.done()
-
-
 class LocalWorkers:
     """Worker processes on this machine."""
 
     def __init__(self, workers: int) -> None:
         self.slots = workers
-        self._slots: list[_Slot] = []
+        self._tasks: dict[ProcessPoolExecutor, Future[Any]] = {}  # what each worker runs, or ran
 
     def submit(self, task: Callable[..., Any], *arguments: Any) -> Future[Any]:
         """Have a free worker run a function; a dead worker is replaced."""
-        slot = next((slot for slot in self._slots if slot.free), None)
-        if slot is None:
-            slot = _Slot(_one_process())
-            self._slots.append(slot)
+        free = (worker for worker, last in self._tasks.items() if last.done())
+        worker = next(free, None) or _one_process()
         try:
-            slot.task = slot.executor.submit(task, *arguments)
+            future = worker.submit(task, *arguments)
         except BrokenExecutor:  # it died, in its last unit or since
-            slot.executor.shutdown(wait=False)
-            slot.executor = _one_process()
-            slot.task = slot.executor.submit(task, *arguments)
-        return slot.task
+            worker.shutdown(wait=False)
+            self._tasks.pop(worker, None)
+            worker = _one_process()
+            future = worker.submit(task, *arguments)
+        self._tasks[worker] = future
+        return future
 
     def close(self, *, now: bool) -> None:
         """End the workers."""
-        for slot in self._slots:
+        for worker in self._tasks:
             if now:
-                for process in list((slot.executor._processes or {}).values()):
+                for process in list((worker._processes or {}).values()):
                     process.kill()
-            slot.executor.shutdown(wait=True, cancel_futures=True)
+            worker.shutdown(wait=True, cancel_futures=True)
 
 
 class DaskWorkers:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -172,8 +173,13 @@ def bare(heading: str) -> str:
 
 def scaled(points: float, task: Task, most: str) -> float:
     """Return points out of those that the gradebook's column has."""
+    full = number_in(most)
+    return round(points / task.points * full, 2) if 0 < full < 1e6 else points
+
+
+def number_in(cell: str) -> float:
+    """Return the number in a sheet's cell, in any language; NaN if there is none."""
     try:
-        full = float(most.replace(",", "."))
+        return float(cell.replace(",", "."))
     except ValueError:
-        return points
-    return points if not 0 < full < 1e6 else round(points / task.points * full, 2)
+        return math.nan

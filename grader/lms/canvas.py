@@ -25,10 +25,9 @@ from pathlib import Path
 from typing import BinaryIO
 
 from grader.lms.book import Book, Mark, Task, scaled
-from grader.lms.pack import pack
 from grader.lms.people import Sheet, squeezed, unquoted
 from grader.lms.platform import Entry, Files, Platform, Read, Who
-from grader.lms.tables import Cell, Verbatim, csv_text, number
+from grader.lms.tables import Cell, Verbatim, csv_text, number, pack
 
 # From the left: what the student called the file can't reach the ids in front of it. But a name may
 # hold what looks like ids, and in some places students choose their own: UNCLEAR says when the file

@@ -27,7 +27,6 @@ from grader.lms.unpack import (
     is_archive,
     is_unread_archive,
     unpack,
-    unpack_class,
 )
 from grader.lms.unpack import (
     LINK as NO_LINK,
@@ -97,7 +96,7 @@ def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
             f"of a learning platform ({', '.join(ARCHIVES)})"
         )
     try:
-        odd = unpack_class(source, room)
+        odd = unpack(source, room, of_class=True)
     except Broken as error:
         raise InputError(f"{source}: a broken archive ({error}); download it again") from None
     except Refused as refused:

@@ -20,12 +20,7 @@ from grader.errors import InputError
 from grader.lms.book import StudentRow
 from grader.lms.people import NOBODY, Roster
 
-HIDE = {
-    "nothing": "students see everything",
-    "field": "no field checks and none of their runs",
-    "worlds": "of a check the outcome and how the node ended; nothing that it said or did",
-    "details": "like worlds, and not how the node ended",
-}
+HIDE = ("nothing", "field", "worlds", "details")  # what each hides: grader.grading.withheld
 OPTIONS = "options"  # what the store calls what is kept of these
 KEPT = ("hide", "title", "notes", "account", "roster", "nbgrader", "columns")
 

@@ -123,11 +123,11 @@ def test_moodle_leaves_out_apostrophes_and_adds_groups(tmp_path: Path) -> None:
     (tmp_path / "roster.csv").write_text(people, "utf-8")
     roster = read_roster([tmp_path / "roster.csv"])
     names = ("Seán OBrien", "Anne-Marie Ray", "Team-1-Bo Ray", "Team 2-Anne-Marie Ray")
-    assert [getattr(roster.find("moodle", name, "99"), "name", "") for name in names] == [
-        "Seán O'Brien", "Anne-Marie Ray", "Bo Ray", "Anne-Marie Ray",
-    ]  # fmt: skip
-    assert roster.find("moodle", "Team-Nobody", "99") is None
-    assert roster.find("folder", "Team-1-Bo Ray") is None
+    found = [roster.match("moodle", name, "99").people for name in names]
+    wanted = ["Seán O'Brien", "Anne-Marie Ray", "Bo Ray", "Anne-Marie Ray"]
+    assert [[person.name for person in people] for people in found] == [[name] for name in wanted]
+    assert roster.match("moodle", "Team-Nobody", "99").people == ()
+    assert roster.match("folder", "Team-1-Bo Ray").people == ()
 
 
 # --- what a person has to look at ----------------------------------------------------------------
