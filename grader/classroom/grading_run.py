@@ -23,7 +23,6 @@ from grader.link.scratch import has_space
 
 MAX_DEATHS = 3  # of a unit's workers; then it is left to a person
 MAX_UNSURE = 2  # gradings that could not judge
-MAX_IN_VAIN = 5  # second judgements in a row that stalled, too: then the machine is not fit for it
 RECORDINGS = "recordings"
 PARTS = ".part"  # below RECORDINGS: bags that are being written
 
@@ -39,8 +38,6 @@ class GradingRun:
     progress: Progress
     _running: set[Key] = field(default_factory=set)
     _bag_folders: int = 0  # made so far
-    _stalled: set[Key] = field(default_factory=set)  # units that wait for a second judgement
-    _in_vain: int = 0  # second judgements in a row that stalled, too
     _canaries: Canaries = field(init=False)
 
     def run(self) -> list[str]:
@@ -83,10 +80,6 @@ class GradingRun:
     def _next_submission(self, waiting: list[Key], busy: bool) -> Unit | None:
         for key in waiting:
             if not self._canaries.allows(key[1]):
-                continue
-            if self._in_vain >= MAX_IN_VAIN and key in self._stalled:
-                self._hold(key, f"{STALLS}; not judged again, since {MAX_IN_VAIN} others stalled "
-                               "even with nothing beside them")  # fmt: skip
                 continue
             if self.candidates[key].leader and self._left_to_leader(key):
                 continue
@@ -157,11 +150,8 @@ class GradingRun:
         problem = result.problem if result.grading is None else unjudged(result.grading)
         if stalled(result.grading):
             problem = f"{STALLS}; {problem}"
-            self._in_vain += unit.alone
         elif problem:
             self._canaries.doubt(unit.exercise)  # was it the submission, or the grader?
-        elif unit.alone:
-            self._in_vain = 0
         again = bool(problem) and self.store.counts(unit.key).unsure + 1 < MAX_UNSURE
         if problem and not again:
             problem = f"{problem}; {TWICE}"
@@ -171,7 +161,6 @@ class GradingRun:
             wall_s=result.wall_s,
         )  # fmt: skip
         if again:
-            self._stalled |= {unit.key} if stalled(result.grading) else set()
             said = f"will retry, alone, at the end: {problem}"
             self.progress.done(*unit.key, said, over=False)
             return

@@ -12,7 +12,7 @@ from grader.classroom.amendments import change as changes
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry, style_words
 from grader.classroom.marks import TO_HOLD, checks_of, points_of, tasks_of
-from grader.classroom.row import ABSENT, GRADED, HELD, STALLS, UNJUDGED, Amended, StoredResult
+from grader.classroom.row import ABSENT, GRADED, HELD, UNJUDGED, Amended, StoredResult
 from grader.course.exercises import find_exercise
 from grader.course.score import score_of
 from grader.lms.book import StudentRow, Task, about
@@ -236,8 +236,8 @@ def _judged(result: StoredResult, before: StoredResult) -> StoredResult:
     if all(check.get("outcome") == "pass" or check.get("waived") for check in core):
         new["cause"] = None
     sure = all(check.get("outcome") not in TO_HOLD for check in checks_of(result))
-    for_checks = any(check.get("outcome") in TO_HOLD for check in checks_of(before)) and (
-        before.problem.startswith(STALLS) or UNJUDGED in before.problem
+    for_checks = UNJUDGED in before.problem and any(
+        check.get("outcome") in TO_HOLD for check in checks_of(before)
     )
     if before.state == HELD and sure and for_checks:
         return replace(result, grading=new, state=GRADED, problem="")

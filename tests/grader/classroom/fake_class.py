@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from handing_in import AGENT as FILE
+from handing_in import put
 
 from grader.classroom import engine
 from grader.classroom.batch import autograde
@@ -18,7 +20,6 @@ from grader.course.exercises import find_exercise
 from grader.grading.handed_in import isolation_problem
 
 SLUG = "obstacle_avoidance"
-FILE = "obstacle_avoidance_agent.py"
 MUTANT_FAILS = canaries_of(find_exercise(SLUG), Unit("", SLUG, {}))[-1].fails
 
 Judge = Callable[[Unit], UnitResult]
@@ -102,10 +103,7 @@ class Drifting:
 
 @pytest.fixture
 def handed_in(tmp_path: Path) -> Path:
-    for name in ("ann", "bob", "eve"):
-        (tmp_path / "in" / name).mkdir(parents=True)
-        (tmp_path / "in" / name / FILE).write_text(f"# {name}\n")
-    return tmp_path / "in"
+    return put(tmp_path / "in", *(f"{name}/{FILE}" for name in ("ann", "bob", "eve")))
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from fake_class import FILE, SLUG, Drifting, fair, grading
+from handing_in import put
 
 from grader.classroom import candidates
 from grader.classroom.engine import DaskWorkers
@@ -27,8 +28,7 @@ def test_everybody_is_graded_once(grade_class: Any, handed_in: Path, tmp_path: P
     assert (tmp_path / "out" / "class.html").is_file()
 
     (handed_in / "bob" / FILE).write_text("# better\n")
-    (handed_in / "new").mkdir()
-    (handed_in / "new" / FILE).write_text("# new\n")
+    put(handed_in, **{f"new/{FILE}": "# new\n"})
     results, workers, _ = grade_class()
     assert workers.students == ["bob", "new"]
 
@@ -53,8 +53,7 @@ def test_missing_and_unreadable_files_are_held(grade_class: Any, handed_in: Path
     (handed_in / "lea").mkdir()
     for name in ("robot.py", "sensor.py"):  # one alone would be taken
         (handed_in / "lea" / name).write_text("# a wrong name\n")
-    (handed_in / "max").mkdir()
-    (handed_in / "max" / "report.pdf").write_bytes(b"no program, but handed in")
+    put(handed_in, **{"max/report.pdf": b"no program, but handed in"})
     (handed_in / "kim.zip").write_bytes(b"broken")
     results, workers, _ = grade_class()
     assert workers.students == ["ann", "bob", "eve"]
@@ -66,8 +65,7 @@ def test_what_was_not_handed_in_is_neither_queued_nor_held(
     grade_class: Any, handed_in: Path
 ) -> None:
     (handed_in / "lea").mkdir()
-    (handed_in / "kim").mkdir()
-    (handed_in / "kim" / "goal_seeking_agent.py").write_text("# another exercise\n")
+    put(handed_in, **{"kim/goal_seeking_agent.py": "# another exercise\n"})
     results, workers, _ = grade_class()
     assert workers.students == ["ann", "bob", "eve"]
     assert results["lea"].state == results["kim"].state == ABSENT

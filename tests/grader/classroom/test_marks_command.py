@@ -11,6 +11,7 @@ import click
 import pytest
 from click.testing import CliRunner
 from fake_class import FILE, SLUG, fair, grading
+from handing_in import put
 from marked_class import points
 
 from grader.classroom import batch
@@ -105,8 +106,7 @@ def test_wrong_usage_changes_nothing(course: Course, command: str, said: str) ->
 def test_students_called_like_an_option(
     grade_class: Any, handed_in: Path, course: Course, graded: Path
 ) -> None:
-    (handed_in / "--all").mkdir()
-    (handed_in / "--all" / FILE).write_text("#\n")
+    put(handed_in, **{f"--all/{FILE}": "#\n"})
     grade_class()
     _, said = course("marks score", 1, "--student", "--all", "--why", "--by")
     assert "(all)" in said  # `tar *` would take the dashes for an option
