@@ -56,11 +56,9 @@ class Account:
 
     @property
     def faults(self) -> list[Line]:
-        """The lines that a person should look at."""
         return [line for line in self.lines if line.fault]
 
     def counts(self) -> dict[str, int]:
-        """Return how many lines there are of each state."""
         found = Counter(line.state for line in self.lines)
         return {state: found[state] for state in Fate if found[state]}
 

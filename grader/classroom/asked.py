@@ -63,7 +63,6 @@ def number(text: object, most: float = math.inf) -> float:
 def set_check(
     class_: Marking, named: Named, exercise: str, check: str, points: float, *, may_lower: bool
 ) -> changes.SetCheck:
-    """Return the change by which a check has these points."""
     task = class_.exercise(exercise)
     whom = named.whom(class_, task)
     most = class_.check(task, check, whom)
@@ -75,7 +74,6 @@ def set_check(
 def waive(
     class_: Marking, named: Named, exercise: str, check: str, *, may_lower: bool
 ) -> changes.Waive:  # fmt: skip
-    """Return the change by which a check doesn't count."""
     task = class_.exercise(exercise)
     whom = named.whom(class_, task)
     class_.check(task, check, whom)
@@ -83,7 +81,6 @@ def waive(
 
 
 def score(class_: Marking, named: Named, exercise: str, points: float) -> changes.Score:
-    """Return the change by which students have these points."""
     task = class_.exercise(exercise)
     if not named.students:
         raise InputError("a score is one student's: expected --student ID (more than once)")
@@ -97,7 +94,6 @@ def late(
     class_: Marking, named: Named, exercise: str, per_day: float, *, deadline: str = "",
     zone: str = "UTC", grace: str = "0", cap: float = 100.0, times: Path | None = None,
 ) -> changes.Late:  # fmt: skip
-    """Return the rule by which lateness costs points."""
     task = class_.exercise(exercise)
     whom = named.whom(class_)
     known = {} if times is None else times_of(times, zone, class_.students, class_.rows)
@@ -108,7 +104,6 @@ def late(
 
 
 def publish(class_: Marking, named: Named, exercises: Sequence[str]) -> changes.Publish:
-    """Return the change by which students may see their feedback."""
     slugs = tuple(class_.exercise(name).slug for name in exercises)
     return changes.Publish(slugs, named.whom(class_))
 

@@ -91,8 +91,6 @@ def _outcome(future: Future[UnitResult]) -> UnitResult:
 
 
 class LocalWorkers:
-    """Worker processes on this machine."""
-
     def __init__(self, workers: int) -> None:
         self.slots = workers
         self._tasks: dict[ProcessPoolExecutor, Future[Any]] = {}  # what each worker runs, or ran
@@ -112,7 +110,6 @@ class LocalWorkers:
         return future
 
     def close(self, *, now: bool) -> None:
-        """End the workers."""
         for worker in self._tasks:
             if now:
                 for process in list((worker._processes or {}).values()):

@@ -118,7 +118,6 @@ class Marking:
     # --- what is told ----------------------------------------------------------------------------
 
     def summary(self) -> str:
-        """Return the class in a line."""
         states = Counter(state_of(result) for result in self.results)
         counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
         text = f"{len(self.students)} students; as graded: {counts}"

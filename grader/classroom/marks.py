@@ -57,7 +57,6 @@ def is_held(result: StoredResult) -> bool:
 
 
 def is_graded(result: StoredResult) -> bool:
-    """Return whether there is a score that counts."""
     return result.state == GRADED and not is_held(result)
 
 

@@ -259,7 +259,6 @@ class Store:
         self.keep(STUDENTS, json.dumps(msgspec.to_builtins(list(every.values()))))
 
     def students(self) -> dict[str, StudentRow]:
-        """Return what is known of the students."""
         rows = msgspec.convert(json.loads(self.kept(STUDENTS) or "[]"), list[StudentRow])
         return {row.student: row for row in rows}
 
@@ -283,7 +282,6 @@ class Store:
         return Counts(*row) if row else Counts(0, 0, 0)
 
     def results(self) -> list[StoredResult]:
-        """Return all units, in order."""
         rows = self._db.execute(
             "SELECT student, exercise, file_names, input_hash, state, grading, recordings,"
             " wall_s, attempts, problem, finished, canary, verified OR NOT EXISTS"

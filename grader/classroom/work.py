@@ -49,7 +49,6 @@ class Unit:
 
     @property
     def key(self) -> tuple[str, str]:
-        """What the store calls it."""
         return self.student, self.exercise
 
 

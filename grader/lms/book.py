@@ -72,7 +72,6 @@ class Mark:
 
     @property
     def name(self) -> str:
-        """The name for people."""
         return self.row.person.label or self.student
 
     @property

@@ -24,7 +24,6 @@ Cell = str | float | int | None
 
 
 def csv_text(rows: Iterable[Sequence[Cell]]) -> str:
-    """Return a table as CSV."""
     target = io.StringIO()
     writer = csv.writer(target, lineterminator="\r\n")
     for row in rows:

@@ -47,7 +47,6 @@ Odd = tuple[str, str]  # a member's name, and what is odd about it
 
 
 def is_archive(name: str) -> bool:
-    """Return whether files called so are unpacked."""
     return name.lower().endswith(ARCHIVES)
 
 
@@ -57,7 +56,6 @@ def is_unread_archive(name: str) -> bool:
 
 
 def archive_stem(name: str) -> str:
-    """Return an archive's name without its suffixes."""
     lower = name.lower()
     suffixes = sorted((*ARCHIVES, *UNREAD), key=len, reverse=True)
     suffix = next((each for each in suffixes if lower.endswith(each)), "")

@@ -26,8 +26,6 @@ MAX_WORDS = 2000  # [characters] of a reason
 
 @dataclass(frozen=True)
 class Entry:
-    """One entry of the log."""
-
     number: int
     at: str  # UTC, ISO 8601
     who: str
@@ -97,7 +95,6 @@ def undone_by(entries: Sequence[Entry]) -> list[tuple[int, int]]:
 
 
 def described(change: changes.Change) -> str:
-    """Return in words what a change is."""
     match change:
         case changes.SetCheck():
             words = f"{change.exercise}: {change.check} has {change.points:g} points"
@@ -128,7 +125,6 @@ def described(change: changes.Change) -> str:
 
 
 def style_words(style: changes.Style) -> str:
-    """Return the points for style in words."""
     single = "; ".join(f"{name} {won:g} of {most:g}" for name, (won, most) in style.given.items())
     won, most = style.sums
     return f"style {won:g} of {most:g} ({single})"

@@ -52,7 +52,6 @@ class Form:
 
     @property
     def why(self) -> str:
-        """The reason, for the log."""
         return self["why"] or REASONS.get(self["kind"], "")
 
 

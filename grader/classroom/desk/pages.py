@@ -89,7 +89,6 @@ class _View:
         return [(each, self.row(each).person.label) for each in every if not self.row(each).unsure]
 
     def row(self, student: str) -> StudentRow:
-        """Return what is known of a student."""
         return self.class_.rows.get(student) or StudentRow(student)
 
     def _revision(self, student: str = "") -> str:
@@ -128,7 +127,6 @@ def entered(name: str) -> Html:
 
 
 def refused(why: str) -> Html:
-    """Return the page that says why something wasn't done."""
     return render("desk_refused.html", "Desk", desk=True, why=why)
 
 

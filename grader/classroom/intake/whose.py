@@ -102,7 +102,6 @@ class _Class:
         self._folders: dict[Any, str] = {}  # of people by key, of others by their entries' word
 
     def students(self) -> list[Student]:
-        """Return everybody."""
         matches = self._matched()
         for person in self._roster.people:
             row = self._row_of(person)

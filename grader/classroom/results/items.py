@@ -88,7 +88,6 @@ class Distribution:
 
 
 def distribution(results: Sequence[StoredResult], task: Task) -> Distribution:
-    """Return the distribution of the scores that count."""
     scores = sorted(p for p in (points_of(result, task) for result in results) if p is not None)
     bins = [0] * BINS
     for score in scores:

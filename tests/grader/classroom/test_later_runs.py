@@ -9,10 +9,8 @@ from typing import Any
 import pytest
 from fake_class import FILE, SLUG, fair
 from handing_in import put
-from marked_class import points, scores
+from marked_class import give, points, scores
 
-from grader.classroom.amendments.change import Score
-from grader.classroom.marking import marking
 from grader.course.exercises import find_exercise
 from grader.errors import InputError
 from grader.lms.people import Roster
@@ -91,9 +89,7 @@ def test_a_mark_follows_who_hands_in_later(
     """With a submission and without a student is called by the roster's name."""
     out = tmp_path / "out"
     grade_class(roster=roster)
-    with marking(out) as class_:
-        task = class_.exercise("")
-        class_.add(Score(SLUG, 30, class_.whom(["3"], "", everybody=False, task=task)), "p", "oral")
+    give(out, "3", 30)
     put(handed_in, **{f"nob/{FILE}": "# late\n"})
     grade_class(roster=roster)
     assert "Ann Lee" in (out / "class.html").read_text()
