@@ -93,6 +93,10 @@ class Marking:
         return sorted({result.student for result in self.results})
 
     @property
+    def sections(self) -> list[str]:
+        return sorted({row.person.section for row in self.rows.values()} - {""})
+
+    @property
     def entries(self) -> list[Entry]:
         return self.store.log.entries()
 
@@ -170,9 +174,8 @@ class Marking:
         if bool(words) + bool(section) + everybody != 1:
             raise InputError("expected whom it is about: --student ID, --section NAME or --all")
         if section:
-            sections = {row.person.section for row in self.rows.values() if row.person.section}
-            if section not in sections:
-                raise nearest(section, sections, "section")
+            if section not in self.sections:
+                raise nearest(section, self.sections, "section")
             return Whom(section=section)
         found = [the_student(word, self.students, self.rows) for word in words]
         mine = [r for r in self.results if task is not None and r.exercise == task.slug]

@@ -6,7 +6,6 @@ import contextlib
 import functools
 import threading
 from collections.abc import Iterator
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +24,6 @@ from grader.lms.book import StudentRow
 from grader.lms.clean import visible
 
 if TYPE_CHECKING:
-    from grader.classroom.account import Line
     from grader.classroom.desk.server import Person
 
 Html = str
@@ -57,30 +55,14 @@ class _View:
         self.results = class_.counting()
         self.tasks = {task.slug: task for task in tasks_of(self.results)}
         self.entries = class_.entries
+        self.held = [each for each in self.results if is_held(each)]
+        lines = enumerate(class_.options.account.lines)
+        self.faults = [(place, line) for place, line in lines if line.fault]
+        self.requests = asked.requests(self.entries)
         self.revision = functools.cache(self._revision)
 
     def render(self, template: str, title: str, **about: Any) -> Html:
         return render(f"desk_{template}.html", title, desk=True, view=self, **about)
-
-    @cached_property
-    def held(self) -> list[StoredResult]:
-        return [each for each in self.results if is_held(each)]
-
-    @cached_property
-    def faults(self) -> list[tuple[int, Line]]:
-        """The lines of the account that a person should look at, with their places."""
-        lines = enumerate(self.class_.options.account.lines)
-        return [(place, line) for place, line in lines if line.fault]
-
-    @cached_property
-    def requests(self) -> list[tuple[Entry, Any, list[Entry]]]:
-        """What students ask, the newest first, with the answers."""
-        return asked.requests(self.entries)
-
-    @property
-    def sections(self) -> list[str]:
-        rows = self.class_.rows.values()
-        return sorted({row.person.section for row in rows if row.person.section})
 
     @property
     def people(self) -> list[tuple[str, str]]:
