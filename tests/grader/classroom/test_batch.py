@@ -12,8 +12,7 @@ from handing_in import put
 
 from grader.classroom import candidates
 from grader.classroom.engine import DaskWorkers
-from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, TWICE
-from grader.classroom.store import Store
+from grader.classroom.row import ABSENT, GRADED, HELD, TWICE
 from grader.classroom.work import Unit, UnitResult
 from grader.course.students import student_key
 from grader.errors import InputError
@@ -180,19 +179,6 @@ def test_one_submission_cannot_put_the_others_in_quarantine(grade_class: Any) ->
     results, workers, _ = grade_class(unsure, canaries=25)
     assert (workers.students.count("bob"), workers.students.count("eve")) == (1, 1)
     assert [r.state for r in results.values()] == [HELD, GRADED, GRADED]
-
-
-def test_ctrl_c_gives_back_what_runs(grade_class: Any, tmp_path: Path) -> None:
-    def interrupted(unit: Unit) -> UnitResult:
-        if unit.student == "bob":
-            raise KeyboardInterrupt
-        return fair(unit)
-
-    with pytest.raises(KeyboardInterrupt):
-        grade_class(interrupted)
-    with Store(tmp_path / "out" / "store.sqlite") as store:
-        assert RUNNING not in {result.state for result in store.results()}
-    assert "bob" in grade_class()[1].students
 
 
 def test_regrading_runs_no_code_and_changes_the_score(grade_class: Any, handed_in: Path) -> None:

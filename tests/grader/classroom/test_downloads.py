@@ -71,12 +71,6 @@ def test_one_students_prefix_is_no_download(tmp_path: Path) -> None:
     assert [student.problem for student in taken(tmp_path / "in").students] == ["", ""]
 
 
-def test_a_course_of_nbgrader_has_more_than_what_was_submitted(tmp_path: Path) -> None:
-    names = ("submitted/ann/01_loop", "autograded/ann/01_loop", "feedback/ann/01_loop")
-    put(tmp_path / "in", *(f"{name}/{AGENT}" for name in names))
-    assert [student.id for student in taken(tmp_path / "in").students] == ["ann"]
-
-
 def test_the_results_beside_the_work_are_nobodys(tmp_path: Path) -> None:
     put(tmp_path / "in", f"ann/{AGENT}", "new/store.sqlite", "old/store.sqlite", "old/class.html")
     intake = take_in([tmp_path / "in"], tmp_path / "in" / "new" / "unpacked")

@@ -166,7 +166,8 @@ def test_in_the_exchange_nobody_hands_in_under_anothers_name(download: Path) -> 
 
 
 def test_collected_work_of_nbgrader(download: Path) -> None:
-    put(download, f"submitted/ann/loop/{AGENT}", "source/loop/01.ipynb", "gradebook.db",
+    put(download, *(f"{side}/ann/loop/{AGENT}" for side in ("submitted", "autograded", "feedback")),
+        "source/loop/01.ipynb", "gradebook.db",
         **{"submitted/ann/loop/timestamp.txt": "2026-05-04 10:11:12.123456 UTC\n"})  # fmt: skip
     intake = taken(download)
     assert list(graded(intake)) == ["ann"]

@@ -16,6 +16,8 @@ from marked_class import points
 
 from grader.classroom import batch
 from grader.classroom.options import Options
+from grader.classroom.row import GRADED, WAITING
+from grader.classroom.store import Store
 from grader.classroom.work import Unit, UnitResult
 from grader.cli import cli
 from grader.errors import GraderError, InputError
@@ -187,6 +189,8 @@ def test_after_ctrl_c_what_is_there_is_complete(grade_class: Any, tmp_path: Path
     with pytest.raises(KeyboardInterrupt):
         grade_class(interrupted)
     out = tmp_path / "out"
+    with Store(out / "store.sqlite") as store:
+        assert [result.state for result in store.results()] == [GRADED, GRADED, WAITING]
     assert points(out) == {"ann": "100", "bob": "100", "eve": ""}
     assert "1 not graded yet" in (out / "class.html").read_text()
     for name in ("ann", "bob"):
