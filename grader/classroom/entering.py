@@ -27,7 +27,7 @@ def known_of(store: Store) -> Known:
     """Return what a class's store knows of its students, and what people have said of them."""
     assigned: dict[str, tuple[str, ...]] = {}
     accepted: dict[Key, str] = {}
-    for change in (entry.change for entry in active(store.log.entries())):
+    for change in (entry.change for entry in active(store.entries())):
         if isinstance(change, Assign):
             assigned.update(dict.fromkeys(change.entries, change.whom.students))
         elif isinstance(change, Accept):

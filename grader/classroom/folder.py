@@ -69,7 +69,7 @@ def write_class(
 
     Pages of students whose results are as `before`, when all were written, stay as they are.
     """
-    log = store.log.entries()
+    log = store.entries()
     counting = active(log)
     results, remarks = amended(store.results(), counting, options.students)
     wanted = replace(

@@ -98,7 +98,7 @@ class Marking:
 
     @property
     def entries(self) -> list[Entry]:
-        return self.store.log.entries()
+        return self.store.entries()
 
     def revision(self, students: Sequence[str] = ()) -> str:
         """Return what tells these students' marks, or everybody's, from later ones.
@@ -203,7 +203,7 @@ class Marking:
         entries = self.entries
         _check_undo(change, entries)
         before, known = self._amended(entries)
-        entry = self.store.log.append(change, who, why)
+        entry = self.store.log(change, who, why)
         after, missing = self._written(before)
         remarks = [each for each in self._amended(self.entries)[1] if each not in known]
         return Marked(entry, *_shifts(before, after), remarks, missing)

@@ -18,8 +18,8 @@ from typing import Any
 
 import msgspec
 
-from grader.classroom.amendments import log
-from grader.classroom.amendments.log import storable
+from grader.classroom.amendments.change import Change
+from grader.classroom.amendments.log import Entry
 from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, WAITING, StoredResult
 from grader.errors import InputError, is_disk_full
 from grader.lms.book import StudentRow
@@ -43,7 +43,12 @@ CREATE TABLE IF NOT EXISTS texts (
     PRIMARY KEY (student, exercise, name)
 ) STRICT;
 CREATE TABLE IF NOT EXISTS kept (name TEXT PRIMARY KEY, text TEXT NOT NULL) STRICT;
+CREATE TABLE IF NOT EXISTS amendments (
+    number INTEGER PRIMARY KEY AUTOINCREMENT, at TEXT NOT NULL, who TEXT NOT NULL,
+    what TEXT NOT NULL, why TEXT NOT NULL
+) STRICT;
 """
+MOST_WHY = 2000  # [characters] of a reason
 
 SHARED = (
     "file_names", "state", "verified", "grading", "recordings", "wall_s", "finished", "problem",
@@ -69,7 +74,6 @@ class Store:
 
     def __init__(self, path: Path) -> None:
         self._db = sqlite3.connect(path, isolation_level=None)
-        self.log = log.Log(self._db, self._change)  # of what people change
         try:
             self._db.execute("PRAGMA journal_mode=WAL")
             self._db.execute("PRAGMA synchronous=FULL")
@@ -80,7 +84,7 @@ class Store:
                     "the course that made it, or give another --out"
                 )
             with self._change():
-                for statement in (*filter(str.strip, TABLES.split(";")), log.TABLE):
+                for statement in filter(str.strip, TABLES.split(";")):
                     self._db.execute(statement)
                 self._db.execute(f"PRAGMA user_version={SCHEMA}")
         except sqlite3.DatabaseError as error:
@@ -298,6 +302,36 @@ class Store:
             attempts, problem, finished, canary, verified in rows
         ]  # fmt: skip
 
+    def log(self, change: Change, who: str, why: str) -> Entry:
+        """Add an entry to the log of marks; it is on disk when this returns.
+
+        Raises InputError: there is no reason, or it is too long.
+        """
+        why, who = " ".join(storable(why).split()), " ".join(storable(who).split())
+        if not why or len(why) > MOST_WHY:
+            raise InputError(
+                f"--why: expected the reason, at most {MOST_WHY} characters; it stays in the log"
+            )
+        text, at = storable(msgspec.json.encode(change).decode()), _now()
+        with self._change():
+            number = self._db.execute(
+                "INSERT INTO amendments (at, who, what, why) VALUES (?, ?, ?, ?)",
+                (at, who, text, why),
+            ).lastrowid
+        return Entry(number or 0, at, who, change, why)
+
+    def entries(self) -> list[Entry]:
+        """Return the log of marks, the oldest entry first; nothing removes or changes one.
+
+        Raises InputError: one can't be read.
+        """
+        rows = self._db.execute("SELECT number, at, who, what, why FROM amendments ORDER BY number")
+        decoder = msgspec.json.Decoder[Change](Change)
+        try:
+            return [Entry(n, at, who, decoder.decode(what), why) for n, at, who, what, why in rows]
+        except msgspec.MsgspecError as error:
+            raise InputError(f"the log of marks can't be read ({error})") from None
+
     def stamp(self) -> str:
         """Return what tells the stored results from later ones, without reading them."""
         rows = self._db.execute(
@@ -342,3 +376,8 @@ class Store:
 
 def _now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def storable(words: str) -> str:
+    """Return text that can be stored: names of files need not be UTF-8, and SQLite's text is."""
+    return words.encode("utf-8", "replace").decode("utf-8")

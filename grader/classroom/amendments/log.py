@@ -1,27 +1,11 @@
-"""The log of changed marks: who changed what, when and why. It only grows.
-
-It is a table of the class's store.
-"""
+"""The log of changed marks, a table of the class's store: who changed what, when and why."""
 
 from __future__ import annotations
 
-import sqlite3
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
-
-import msgspec
 
 from grader.classroom.amendments import change as changes
-from grader.errors import InputError
-
-TABLE = """
-CREATE TABLE IF NOT EXISTS amendments (
-    number INTEGER PRIMARY KEY AUTOINCREMENT, at TEXT NOT NULL, who TEXT NOT NULL,
-    what TEXT NOT NULL, why TEXT NOT NULL
-) STRICT"""
-MAX_WORDS = 2000  # [characters] of a reason
 
 
 @dataclass(frozen=True)
@@ -31,48 +15,6 @@ class Entry:
     who: str
     change: changes.Change
     why: str
-
-
-class Log:
-    """The log in an open store."""
-
-    def __init__(
-        self, db: sqlite3.Connection, transaction: Callable[[], AbstractContextManager[None]]
-    ) -> None:
-        self._db = db
-        self._transaction = transaction
-
-    def append(self, change: changes.Change, who: str, why: str) -> Entry:
-        """Add an entry; it is on disk when this returns.
-
-        Raises InputError: there is no reason, or it is too long.
-        """
-        why, who = " ".join(storable(why).split()), " ".join(storable(who).split())
-        if not why or len(why) > MAX_WORDS:
-            raise InputError(
-                f"--why: expected the reason, at most {MAX_WORDS} characters; it stays in the log"
-            )
-        text = storable(msgspec.json.encode(change).decode())
-        at = datetime.now(UTC).isoformat(timespec="seconds")
-        with self._transaction():
-            number = self._db.execute(
-                "INSERT INTO amendments (at, who, what, why) VALUES (?, ?, ?, ?)",
-                (at, who, text, why),
-            ).lastrowid
-        return Entry(number or 0, at, who, change, why)
-
-    def entries(self) -> list[Entry]:
-        """Return all entries, the oldest first.
-
-        Raises InputError: one can't be read.
-        """
-        rows = self._db.execute(
-            "SELECT number, at, who, what, why FROM amendments ORDER BY number"
-        ).fetchall()
-        try:
-            return [Entry(row[0], row[1], row[2], _change(row[3]), row[4]) for row in rows]
-        except msgspec.MsgspecError as error:
-            raise InputError(f"the log of marks can't be read ({error})") from None
 
 
 def active(entries: Sequence[Entry]) -> list[Entry]:
@@ -144,13 +86,3 @@ def duration(seconds: float) -> str:
         if seconds >= size and not seconds % size:
             return f"{seconds / size:g} {unit}"
     return f"{seconds:g} s"
-
-
-def _change(text: str) -> changes.Change:
-    found: changes.Change = msgspec.json.decode(text, type=changes.Change)
-    return found
-
-
-def storable(words: str) -> str:
-    """Return text that can be stored: names of files need not be UTF-8, and SQLite's text is."""
-    return words.encode("utf-8", "replace").decode("utf-8")

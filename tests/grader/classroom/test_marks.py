@@ -187,7 +187,7 @@ def test_nobody_and_nothing_is_guessed(graded: Path) -> None:
         with pytest.raises(InputError, match="unknown exercise of this class '3'; there are: obst"):
             class_.exercise("3")
         with pytest.raises(InputError, match="expected the reason"):
-            class_.store.log.append(Undo(1), "prof", "  ")
+            class_.store.log(Undo(1), "prof", "  ")
 
 
 @pytest.mark.parametrize(
