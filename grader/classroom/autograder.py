@@ -172,7 +172,7 @@ def _stored(unit: Unit, result: UnitResult) -> StoredResult:
     return StoredResult(
         student=unit.student, exercise=unit.exercise, file_names=tuple(unit.files), input_hash="",
         state=HELD if result.grading is None else GRADED, grading=result.grading, recordings=None,
-        wall_s=result.wall_s, attempts=1, problem=result.problem, finished="", canary=False,
+        wall_s=result.wall_s, attempts=1, problem=result.problem, finished="",
     )  # fmt: skip
 
 

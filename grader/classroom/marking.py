@@ -82,7 +82,7 @@ class Marking:
     @cached_property
     def results(self) -> list[StoredResult]:
         """All results, as they were graded."""
-        return [each for each in self.store.results() if not each.canary]
+        return self.store.results()
 
     @property
     def rows(self) -> Mapping[str, StudentRow]:
@@ -258,7 +258,7 @@ class Marking:
 
     def _written(self, before: Sequence[StoredResult] = ()) -> tuple[list[StoredResult], list[str]]:
         results, written = write_class(self.store, self.out, self.options, before)
-        return [result for result in results if not result.canary], written.missing
+        return results, written.missing
 
 
 def _shifts(before: Sequence[StoredResult], after: Sequence[StoredResult]) -> tuple[list[str], int]:

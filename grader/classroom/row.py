@@ -33,7 +33,6 @@ class StoredResult:
     attempts: int
     problem: str  # why it is held or could not be graded; "" if neither
     finished: str  # UTC, ISO 8601; "" while unfinished
-    canary: bool  # a known solution, graded to check the grader
     verified: bool = True  # the known solutions came out right after it, if there are any
     amended: Amended | None = None  # what a person has changed; never stored
 

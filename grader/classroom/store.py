@@ -286,20 +286,21 @@ class Store:
         return Counts(*row) if row else Counts(0, 0, 0)
 
     def results(self) -> list[StoredResult]:
+        """Return the students' units, in order; known solutions are none of theirs."""
         rows = self._db.execute(
             "SELECT student, exercise, file_names, input_hash, state, grading, recordings,"
-            " wall_s, attempts, problem, finished, canary, verified OR NOT EXISTS"
+            " wall_s, attempts, problem, finished, verified OR NOT EXISTS"
             " (SELECT 1 FROM units AS known WHERE known.canary AND known.exercise=units.exercise)"
-            " FROM units ORDER BY student, exercise"
+            " FROM units WHERE NOT canary ORDER BY student, exercise"
         )
         return [
             StoredResult(
                 student, exercise, tuple(json.loads(names)), input_hash, state,
                 grading and json.loads(grading), recordings and Path(recordings), wall_s,
-                attempts, problem, finished, bool(canary), bool(verified),
+                attempts, problem, finished, bool(verified),
             )
             for student, exercise, names, input_hash, state, grading, recordings, wall_s,
-            attempts, problem, finished, canary, verified in rows
+            attempts, problem, finished, verified in rows
         ]  # fmt: skip
 
     def log(self, change: Change, who: str, why: str) -> Entry:

@@ -45,7 +45,7 @@ def amended(
     for result in results:
         mine = [
             each for each in entries
-            if isinstance(each.change, changes.Shown) and not result.canary
+            if isinstance(each.change, changes.Shown)
             and each.change.exercise == result.exercise
             and each.change.whom.includes(result.student, rows)
         ]  # fmt: skip
@@ -60,7 +60,7 @@ def _of_this_class(
 
     A folder is somebody's for good. But what was nobody's goes to whom it is assigned.
     """
-    here = {result.student for result in results if not result.canary}
+    here = {result.student for result in results}
     theirs = {
         entry.change.was: entry.change.whom.students[0]
         for entry in entries

@@ -74,10 +74,9 @@ def write_results(
     Raises OSError: a full disk, or a folder that can't be written.
     """
     options, done = options or ResultOptions(), Written(out)
-    known = [result for result in results if not result.canary]
-    tasks = {task.slug: task for task in tasks_of(known)}
+    tasks = {task.slug: task for task in tasks_of(results)}
     order = list(tasks)
-    known.sort(key=lambda each: (each.student, order.index(each.exercise)))
+    known = sorted(results, key=lambda each: (each.student, order.index(each.exercise)))
     book = book_of(known, tasks, options)
     done.text("scores.csv", BOM + scores_csv(known, tasks, options.students))
     (out / "intake.csv").unlink(missing_ok=True)

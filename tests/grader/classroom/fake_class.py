@@ -125,6 +125,6 @@ def grade_class(
         graded = autograde(
             [handed_in], tmp_path / "out", Options(**options), quiet, regrade=regrade
         )
-        return {r.student: r for r in graded.results if not r.canary}, workers, quiet
+        return {r.student: r for r in graded.results}, workers, quiet
 
     return grade

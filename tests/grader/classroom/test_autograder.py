@@ -193,9 +193,7 @@ def test_points_that_a_missing_library_took_are_scaled_as_in_a_class() -> None:
         {**core, "id": "b", "outcome": "unavailable", "points": 0, "max_points": 50},
     ]
     grading = {"score": 50, "max_score": 50, "checks": checks, "file": FILE}
-    result = StoredResult(
-        "ann", SLUG, (FILE,), "", GRADED, grading, None, 0.1, 0.1, 1, "", "", False
-    )
+    result = StoredResult("ann", SLUG, (FILE,), "", GRADED, grading, None, 0.1, 1, "", "")
 
     found = composed([result], [(find_exercise("goal_seeking"), "expected a file x")], [])
 

@@ -137,9 +137,10 @@ def test_weak_isolation_is_refused(grade_class: Any) -> None:
 
 
 def test_canaries_begin_and_end_a_run(grade_class: Any) -> None:
-    _, workers, quiet = grade_class(canaries=25)
+    results, workers, quiet = grade_class(canaries=25)
     order = [unit.student for unit in workers.seen]
     assert order == [".reference", ".mutant", "ann", "bob", "eve", ".reference", ".mutant"]
+    assert list(results) == ["ann", "bob", "eve"]
     assert not [line for line in quiet.lines if "quarantine" in line]
     assert grade_class(canaries=25)[1].seen == []
 
