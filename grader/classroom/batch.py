@@ -92,8 +92,8 @@ def autograde(
         store.requeue_running()
         refuse_another(options, store)
         taken_in = enter_candidates(submissions, scratch, store, options, regrade=regrade)
-        for line in taken_in.said:
-            progress.say(line)
+        if taken_in.said:
+            progress.say(taken_in.said)
         only = _students(options.only if regrade else options.again, store, taken_in)
         if options.retry_held and not regrade:
             store.retry_held()
@@ -133,8 +133,7 @@ def _earlier(folders: Sequence[Path]) -> dict[tuple[str, str], dict[str, bytes]]
     for folder in folders:
         if (folder / STORE).is_file():
             with Store(folder / STORE) as store:
-                keys = [(row.student, row.exercise) for row in store.results()]
-                texts = {key: store.texts(key) for key in keys}
+                texts = {row.key: store.texts(row.key) for row in store.results()}
         else:
             with tempfile.TemporaryDirectory(prefix="course-") as scratch:
                 texts = _sources(find_class([folder], Path(scratch), Options()))

@@ -107,7 +107,7 @@ class Class:
     candidates: dict[Key, Candidate]
     account: Account
     students: tuple[StudentRow, ...] = ()
-    said: tuple[str, ...] = ()  # of earlier results
+    said: str = ""  # of earlier results
     kept: frozenset[Key] = frozenset()  # graded before, and not in these downloads
 
 

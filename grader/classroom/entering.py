@@ -48,7 +48,7 @@ def enter_candidates(
     known = known_of(store)
     found = find_class(submissions, scratch, options, known)
     slugs = {slug for _, slug in found.candidates}
-    stored = {(r.student, r.exercise): r for r in store.results()}
+    stored = {result.key: result for result in store.results()}
     moved = {  # all that they had handed in is assigned to others by now
         student for student, row in known.rows.items()
         if row.seen and all(student not in known.assigned.get(word, (student,))
@@ -83,15 +83,15 @@ def enter_candidates(
         )
     store.keep_texts(texts)
     store.keep_only({*found.candidates, *kept}, slugs)
-    said: list[str] = []
+    said = ""
     if options.add and kept:
-        said = [f"Kept as they were, since they are not in these downloads: {_some(kept)}."]
+        said = f"Kept as they were, since they are not in these downloads: {_some(kept)}."
     elif lost:
-        said = [
+        said = (
             f"Earlier results were dropped, because nothing of them is there: {_some(lost)}. A run "
             "with all downloads of the class grades them again."
-        ]
-        store.note(said[0])
+        )
+        store.note(said)
     store.know(_known_rows(found.students, known, kept))
     account = found.account
     if options.add:
@@ -101,7 +101,7 @@ def enter_candidates(
         away = {student for student, _ in kept} - new
         lines = [line for line in earlier if line.student in away]
         account = Account((*lines, *(each for each in account.lines if each.student not in away)))
-    return replace(found, said=tuple(said), kept=kept, account=account)
+    return replace(found, said=said, kept=kept, account=account)
 
 
 def _known_rows(

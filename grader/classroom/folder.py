@@ -79,8 +79,8 @@ def write_class(
         log=log,
         published=published(counting, results, options.students),
     )
-    old = {} if store.kept(UNWRITTEN) else {(r.student, r.exercise): r for r in before}
-    new = {r.student for r in results if r != old.get((r.student, r.exercise))}
+    old = {} if store.kept(UNWRITTEN) else {result.key: result for result in before}
+    new = {result.student for result in results if result != old.get(result.key)}
     store.keep(UNWRITTEN, "yes")
     written = write_results(results, out, wanted, {student for student, _ in old} - new)
     store.keep(UNWRITTEN, "yes" if written.missing else "")

@@ -216,10 +216,10 @@ class GradingRun:
     def judge_again(self) -> None:
         """Judge stored recordings again, by the checks as they are now; no student's code runs."""
         old = {
-            (one.student, one.exercise): one
+            one.key: one
             for one in self.store.results()
             if one.state in (GRADED, HELD) and one.recordings is not None
-        }  # others are for an ordinary run
+        }  # fmt: skip  (others are for an ordinary run)
         units = [_saved(one, self.out) for key, one in old.items() if key in self.candidates]
         units = [unit for unit in units if Path(unit.saved).is_dir()]
 

@@ -36,6 +36,11 @@ class StoredResult:
     verified: bool = True  # the known solutions came out right after it, if there are any
     amended: Amended | None = None  # what a person has changed; never stored
 
+    @property
+    def key(self) -> tuple[str, str]:
+        """What the store calls it."""
+        return self.student, self.exercise
+
 
 @dataclass(frozen=True)
 class Amended:

@@ -92,7 +92,7 @@ def published(
     if not wanted:
         return None
     return {
-        (one.student, one.exercise)
+        one.key
         for one in results
         for change in wanted
         if one.exercise in (change.exercises or (one.exercise,))

@@ -18,12 +18,12 @@ from zoneinfo import ZoneInfo
 from grader.classroom.amendments.change import Late
 from grader.classroom.amendments.people import find_student
 from grader.errors import InputError
-from grader.lms import TIMES
 from grader.lms.book import Handed, StudentRow
 from grader.lms.moodle import moment
 from grader.lms.sheets import read_roster
 
 DAY = 86400  # [s]
+TIMES = ("%d/%m/%Y %H:%M", "%d.%m.%Y %H:%M")  # by spreadsheets
 HEADINGS = (
     "time", "submitted", "submitted at", "submission time", "handed in", "timestamp",
     "last modified (submission)",

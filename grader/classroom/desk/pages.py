@@ -115,7 +115,7 @@ def refused(why: str) -> Html:
 def class_page(out: Path, person: Person, find: str, section: str) -> Html:
     """Return everybody, or those who are called so, with their points."""
     with _view(out, person) as view:
-        by_key = {(each.student, each.exercise): each for each in view.results}
+        by_key = {each.key: each for each in view.results}
         found = []
         for student in view.class_.students:
             row = view.row(student)

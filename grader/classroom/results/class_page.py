@@ -127,7 +127,7 @@ def _students(
     results: Results, tasks: Sequence[Task], options: ResultOptions
 ) -> Iterator[tuple[str, str, list[tuple[StoredResult | None, Task]], float]]:
     """Return each student with the roster's name, where it says more, the results and the sum."""
-    found = {(result.student, result.exercise): result for result in results}
+    found = {result.key: result for result in results}
     for student in sorted({result.student for result in results}):
         row = options.students.get(student)
         called = row.person.label if row is not None else ""

@@ -195,7 +195,7 @@ def _write_published(
     folder, shown = done.out / PUBLISHED, options.published or ()
     there = set(folder.glob("*/*.html"))
     stay: set[Path] = set()
-    theirs = [each for each in results if (each.student, each.exercise) in shown]
+    theirs = [each for each in results if each.key in shown]
     for student, each in groupby(theirs, key=lambda result: result.student):
         mine = list(each)
         pages = [f"{one.exercise}.html" for one in mine if is_graded(one)]
