@@ -20,11 +20,10 @@ from grader.classroom.amendments.change import Accept, Assign, Change, Undo, Who
 from grader.classroom.amendments.log import Entry, active, undone_by
 from grader.classroom.amendments.people import nearest, the_student
 from grader.classroom.folder import UNWRITTEN, locked, opened, write_class
-from grader.classroom.marks import checks_of, points_of, state_of, tasks_of
+from grader.classroom.marks import checks_of, points_of, state_of, task_of, tasks_of
 from grader.classroom.results.options import OPTIONS, ResultOptions, kept_options
 from grader.classroom.row import StoredResult, as_graded
 from grader.classroom.store import Store
-from grader.course.exercises import find_exercise
 from grader.errors import InputError, naming_a_full_disk
 from grader.lms.book import StudentRow, Task
 
@@ -136,13 +135,8 @@ class Marking:
 
     def points(self, student: str) -> list[tuple[StoredResult, str, str]]:
         """Return a student's results with the points as graded and as they count."""
-        tasks = {task.slug: task for task in tasks_of(self.results)}
-        return [
-            (each, _shown(as_graded(each), tasks[each.exercise]),
-             _shown(each, tasks[each.exercise]))
-            for each in self.counting()
-            if each.student == student
-        ]  # fmt: skip
+        mine = [each for each in self.counting() if each.student == student]
+        return [(each, _shown(as_graded(each)), _shown(each)) for each in mine]
 
     # --- what is meant ---------------------------------------------------------------------------
 
@@ -164,8 +158,7 @@ class Marking:
 
     def any_exercise(self, name: str) -> Task:
         """Return an exercise of the course, which nobody need have handed in yet."""
-        each = find_exercise(name)
-        return Task(each.slug, each.number, each.title, float(each.max_points))
+        return task_of(name)
 
     def whom(
         self, words: Sequence[str], section: str, *, everybody: bool, task: Task | None = None
@@ -263,20 +256,18 @@ class Marking:
 
 def _shifts(before: Sequence[StoredResult], after: Sequence[StoredResult]) -> tuple[list[str], int]:
     """Return a line for each whose points change, and how many lose some."""
-    tasks = {task.slug: task for task in tasks_of(after)}
     lines, lower = [], 0
     for old, new in zip(before, after, strict=False):
-        task = tasks[new.exercise]
-        was, now = _shown(old, task), _shown(new, task)
+        was, now = _shown(old), _shown(new)
         if was != now:
             lines.append(f"{new.student}  {new.exercise}  {was} \N{RIGHTWARDS ARROW} {now}")
-        had, has = points_of(old, task), points_of(new, task)
+        had, has = points_of(old), points_of(new)
         lower += had is not None and (has is None or has < had)
     return lines, lower
 
 
-def _shown(result: StoredResult, task: Task) -> str:
-    points = points_of(result, task)
+def _shown(result: StoredResult) -> str:
+    points = points_of(result)
     return state_of(result) if points is None else f"{points:g}"
 
 

@@ -11,11 +11,11 @@ from msgspec.structs import replace as replace_struct
 from grader.classroom.amendments import change as changes
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry, style_words
-from grader.classroom.marks import TO_HOLD, checks_of, points_of, tasks_of
+from grader.classroom.marks import TO_HOLD, checks_of, points_of, task_of
 from grader.classroom.row import ABSENT, GRADED, HELD, UNJUDGED, Amended, StoredResult
 from grader.course.exercises import find_exercise
 from grader.course.score import score_of
-from grader.lms.book import StudentRow, Task, about
+from grader.lms.book import StudentRow, about
 
 SPARED = "Entry {} of the log changes nothing where it would lower a score (--may-lower)"
 
@@ -40,7 +40,6 @@ def amended(
     """
     known = _Known(rows)
     entries = _of_this_class(entries, results, known)
-    tasks = {task.slug: task for task in tasks_of(results)}
     found = []
     for result in results:
         mine = [
@@ -49,7 +48,7 @@ def amended(
             and each.change.exercise == result.exercise
             and each.change.whom.includes(result.student, rows)
         ]  # fmt: skip
-        found.append(_amended(result, mine, tasks[result.exercise], known) if mine else result)
+        found.append(_amended(result, mine, known) if mine else result)
     return found, [about(text, students) for text, students in known.remarks.items()]
 
 
@@ -100,9 +99,8 @@ def published(
     }
 
 
-def _amended(
-    result: StoredResult, entries: Sequence[Entry], task: Task, known: _Known
-) -> StoredResult:
+def _amended(result: StoredResult, entries: Sequence[Entry], known: _Known) -> StoredResult:
+    task = task_of(result.exercise)
     steps: list[str] = []
     counted: list[Entry] = []
     changed = result
@@ -110,7 +108,7 @@ def _amended(
         if isinstance(change := entry.change, changes.SetCheck | changes.Waive):
             said: list[str] = []
             after = _with_check(changed, change, said)
-            if after is not None and not change.may_lower and _lowers(changed, after, result, task):
+            if after is not None and not change.may_lower and _lowers(changed, after, result):
                 known.remark(SPARED.format(entry.number), result.student)
                 continue
             if after is not None:
@@ -126,11 +124,11 @@ def _amended(
                 )
     if counted:
         changed = _judged(changed, result)
-    points = points_of(changed, task)
+    points = points_of(changed)
     rules = [(entry, entry.change) for entry in entries if isinstance(entry.change, changes.Late)]
     if rules and points is not None:
         entry, rule = rules[-1]
-        penalty = _penalty(rule, result, task, points, steps, known)
+        penalty = _penalty(rule, result, points, steps, known)
         counted += [entry] if penalty else []
         points = round(points - penalty, 2)
     scores = [(entry, entry.change) for entry in entries if isinstance(entry.change, changes.Score)]
@@ -171,8 +169,8 @@ def _words(
     return found
 
 
-def _lowers(before: StoredResult, after: StoredResult, graded: StoredResult, task: Task) -> bool:
-    had, has = (points_of(_judged(each, graded), task) for each in (before, after))
+def _lowers(before: StoredResult, after: StoredResult, graded: StoredResult) -> bool:
+    had, has = (points_of(_judged(each, graded)) for each in (before, after))
     return had is not None and has is not None and has < had
 
 
@@ -248,14 +246,9 @@ def _judged(result: StoredResult, before: StoredResult) -> StoredResult:
 
 
 def _penalty(
-    rule: changes.Late,
-    result: StoredResult,
-    task: Task,
-    points: float,
-    steps: list[str],
-    known: _Known,
+    rule: changes.Late, result: StoredResult, points: float, steps: list[str], known: _Known
 ) -> float:
-    row = known.rows.get(result.student)
+    task, row = task_of(result.exercise), known.rows.get(result.student)
     handed = row.handed.get(result.exercise) if row else None
     late, guess = lateness(rule, result.student, handed)
     if guess:

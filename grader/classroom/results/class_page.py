@@ -133,7 +133,7 @@ def _students(
         called = row.person.label if row is not None else ""
         called = "" if called == student else called
         mine = [(found.get((student, task.slug)), task) for task in tasks]
-        points = [points_of(result, task) for result, task in mine if result is not None]
+        points = [points_of(result) for result, _ in mine if result is not None]
         yield student, called, mine, sum(each for each in points if each is not None)
 
 

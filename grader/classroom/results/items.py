@@ -88,7 +88,7 @@ class Distribution:
 
 
 def distribution(results: Sequence[StoredResult], task: Task) -> Distribution:
-    scores = sorted(p for p in (points_of(result, task) for result in results) if p is not None)
+    scores = sorted(p for p in map(points_of, results) if p is not None)
     bins = [0] * BINS
     for score in scores:
         bins[min(BINS - 1, int(BINS * score / task.points))] += 1

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from grader.classroom import marks
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.row import GRADED, StoredResult, as_graded
-from grader.lms.book import Book, Mark, StudentRow, Task
+from grader.lms.book import Book, Mark, StudentRow
 from grader.lms.tables import Cell, Verbatim, csv_text
 
 SCORES = (
@@ -22,45 +22,35 @@ SCORES = (
 ID_FIRST = ("canvas", "id", "idnumber", "sis", "login", "email", "github")
 
 
-def scores_csv(
-    results: Sequence[StoredResult],
-    tasks: Mapping[str, Task],
-    students: Mapping[str, StudentRow] | None = None,
-) -> str:
-    known = students or {}
-    rows = [
-        _row(result, tasks[result.exercise], known.get(result.student, StudentRow("")))
-        for result in results
-    ]
+def scores_csv(results: Sequence[StoredResult], students: Mapping[str, StudentRow]) -> str:
+    rows = [_row(result, students.get(result.student, StudentRow(""))) for result in results]
     return csv_text([SCORES, *rows])
 
 
-def mark_of(result: StoredResult, task: Task, row: StudentRow | None = None) -> Mark:
+def mark_of(result: StoredResult, row: StudentRow | None = None) -> Mark:
     """Return what a gradebook needs of a result, as its student may see it."""
     changed = result.amended
     return Mark(
         result.exercise,
         row or StudentRow(result.student),
-        marks.points_of(result, task),
+        marks.points_of(result),
         (*(changed.steps if changed else ()), *filter(None, [marks.cap_of(result)])),
         marks.checks_of(result),
         result.wall_s,
     )
 
 
-def book_of(
-    results: Sequence[StoredResult], tasks: Mapping[str, Task], options: ResultOptions
-) -> Book:
+def book_of(results: Sequence[StoredResult], options: ResultOptions) -> Book:
     """Return the class as the gradebooks see it: what was handed in, or has points."""
     entries = [
-        mark_of(one, tasks[one.exercise], options.students.get(one.student))
+        mark_of(one, options.students.get(one.student))
         for one in (marks.as_shown(result, options.hidden) for result in results)
         if not marks.is_absent(one)
     ]
     return Book(entries, options.students, options.roster, options.columns)
 
 
-def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
+def _row(result: StoredResult, row: StudentRow) -> list[Cell]:
     handed = row.handed.get(result.exercise)
     id_ = next((row.person.ids[kind] for kind in ID_FIRST if row.person.ids.get(kind)), "")
     score, most, raw = marks.raw_points(result) if marks.is_graded(result) else (None, None, None)
@@ -74,8 +64,8 @@ def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
         row.person.section,
         result.exercise,
         marks.state_of(result),
-        marks.points_of(result, task),
-        task.points,
+        marks.points_of(result),
+        marks.task_of(result.exercise).points,
         score,
         most,
         raw,
@@ -87,7 +77,7 @@ def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
         "late" if handed and handed.late else "",
         result.finished,
         marks.why_held(result).reason if marks.is_held(result) else result.problem,
-        marks.points_of(as_graded(result), task) if result.amended else None,
+        marks.points_of(as_graded(result)) if result.amended else None,
         " ".join(result.amended.steps) if result.amended else "",
         *((result.amended and result.amended.style) or (None, None)),
     ]

@@ -22,7 +22,7 @@ from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import the_student
 from grader.classroom.folder import UNWRITTEN
 from grader.classroom.marking import marking, reading
-from grader.classroom.marks import points_of, tasks_of
+from grader.classroom.marks import points_of
 from grader.classroom.results import write
 from grader.classroom.row import GRADED, HELD
 from grader.classroom.store import Store
@@ -248,8 +248,7 @@ def test_days_grace_and_cap(time: str, points_: str, tmp_path: Path) -> None:
     entries = [Entry(1, "", "", rule, "")]
     results = [result(name, *CHECKS) for name in ("ann", "bob")]
     (ann, bob), _ = amended(results, entries, {})
-    task = tasks_of(results)[0]
-    assert (points_of(ann, task), points_of(bob, task)) == (float(points_), 70)
+    assert (points_of(ann), points_of(bob)) == (float(points_), 70)
 
 
 def test_more_time_for_one_and_nothing_below_zero(mark: Callable[..., Any], graded: Path) -> None:
