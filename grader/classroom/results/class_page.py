@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from grader.classroom import marks
 from grader.classroom.amendments.log import described, undone_by
-from grader.classroom.marks import is_absent, is_graded, is_held, judged_ones, points_of, why_held
 from grader.classroom.results.check_pages import page_of
 from grader.classroom.results.items import ENOUGH, Distribution, Item, distribution, item_analysis
 from grader.classroom.results.options import ResultOptions
@@ -41,8 +41,11 @@ def class_page(
     results: Results, tasks: Sequence[Task], options: ResultOptions, missing: Sequence[str] = ()
 ) -> str:
     """Return the report's HTML; `missing` are other parts of the results that could not be made."""
-    by_slug = {task.slug: task for task in tasks}
-    held = [(one, by_slug[one.exercise], why_held(one)) for one in results if is_held(one)]
+    held = [
+        (one, marks.task_of(one.exercise), marks.why_held(one))
+        for one in results
+        if marks.is_held(one)
+    ]
     undone = dict(undone_by(options.log))
     versions = _versions(results)
     return render(
@@ -55,7 +58,7 @@ def class_page(
         facts=_facts(results, tasks, len(held)),
         held=held,
         nothing=sorted(
-            {r.student for r in results} - {r.student for r in results if not is_absent(r)}
+            {r.student for r in results} - {r.student for r in results if not marks.is_absent(r)}
         ),
         exercises=[_exercise(results, task, options) for task in tasks],
         sections=_sections(results, tasks, options),
@@ -97,7 +100,7 @@ def _facts(results: Results, tasks: Sequence[Task], held: int) -> list[str]:
     facts = [
         plural(len({result.student for result in results}), "student"),
         plural(len(tasks), "exercise"),
-        plural(sum(map(is_graded, results)), "grading"),
+        plural(sum(map(marks.is_graded, results)), "grading"),
         f"{held} held" if held else "",
         f"{open_} not graded yet" if open_ else "",
         f"last graded {moment(last)}" if last else "",
@@ -107,8 +110,8 @@ def _facts(results: Results, tasks: Sequence[Task], held: int) -> list[str]:
 
 def _exercise(results: Results, task: Task, options: ResultOptions) -> _Exercise:
     mine = [result for result in results if result.exercise == task.slug]
-    graded = [result for result in mine if is_graded(result)]
-    judged = judged_ones(graded)
+    graded = [result for result in mine if marks.is_graded(result)]
+    judged = marks.judged_ones(graded)
     ready = [(result.grading or {}).get("field_ready") for result in graded]
     asked = sum(value is not None for value in ready)
     return _Exercise(
@@ -133,7 +136,7 @@ def _students(
         called = row.person.label if row is not None else ""
         called = "" if called == student else called
         mine = [(found.get((student, task.slug)), task) for task in tasks]
-        points = [points_of(result) for result, _ in mine if result is not None]
+        points = [marks.points_of(result) for result, _ in mine if result is not None]
         yield student, called, mine, sum(each for each in points if each is not None)
 
 

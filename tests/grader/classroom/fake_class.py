@@ -44,7 +44,7 @@ class Quiet:
 class FakeWorkers:
     """Runs the fake judge on the spot."""
 
-    local, slots = True, 2
+    slots = 2
 
     def __init__(self, judge: Judge, refusal: str = "") -> None:
         self.judge = judge
