@@ -172,7 +172,7 @@ def moment(text: str) -> datetime | None:
         return None
 
 
-def times(roster: Roster, person: Person, own: str) -> tuple[str, str]:
+def times(roster: Roster, person: Person | None, own: str) -> tuple[str, str]:
     """Return the time of a person's submission and the end of an extension, "" if none is told.
 
     They are in Moodle's worksheet and in GitHub Classroom's grades. The assignment calls the
