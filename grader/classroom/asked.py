@@ -18,7 +18,6 @@ from grader.classroom.amendments import change as changes
 from grader.classroom.amendments.late import moment_of, span_of, times_of
 from grader.classroom.amendments.log import Entry, active
 from grader.classroom.amendments.people import nearest
-from grader.classroom.amendments.request_text import LAST, MOST, fields_of
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
 from grader.link.cell import Refused, read_in_cell
@@ -31,6 +30,14 @@ if TYPE_CHECKING:
 RUBRIC = "rubric.toml"  # in the folder of the class
 READ, SENT = "looked at", "sent by the student"  # reasons, where none is asked for
 MAX_WORDS = 2000  # [characters] of a comment, an answer, or what a student asks
+MOST = 20_000  # [characters] of a request
+LAST = "please look at"
+FIELD = re.compile(rf"[>\s]*(student|exercise|check|moment|{LAST})\s*:[ \t]*(.*)", re.IGNORECASE)
+QUOTED = re.compile(r"^[>\s]+")
+EXPECTED = (
+    "expected the text that a feedback page makes, with the lines Student, Exercise, Check, "
+    "Moment and Please look at"
+)
 
 
 @dataclass(frozen=True)
@@ -183,6 +190,26 @@ def request(class_: Marking, text: str) -> changes.Request:
         if entry.change == change:
             raise InputError(f"entry {entry.number} of the log is this request already")
     return change
+
+
+def fields_of(text: str) -> dict[str, str]:
+    """Return what a request's lines say, by their small names; a mail may quote them, and say more.
+
+    It may be anything, and is read in a cell.
+
+    Raises Refused: it is no request.
+    """
+    found: dict[str, str] = {}
+    for line in visible(text[:MOST]).splitlines():
+        match = None if LAST in found else FIELD.fullmatch(line)
+        if match:
+            found.setdefault(match[1].lower(), match[2].strip())
+        elif LAST in found:
+            found[LAST] += " " + QUOTED.sub("", line)
+    found = {name: " ".join(words.split()) for name, words in found.items()}
+    if not all(found.get(name) for name in ("student", "exercise", LAST)):
+        raise Refused(f"this is no request: {EXPECTED}")
+    return found
 
 
 def text_of(file: Path) -> str:
