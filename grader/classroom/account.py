@@ -3,40 +3,38 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from functools import partial
 
 from grader.classroom.intake.handed_in import Student
-from grader.lms.platform import SetAside
 from grader.lms.tables import csv_text
 
-GRADED = "to be graded"
-OLDER = "older version"
-OTHER = "another exercise"
-EXTRA = "extra file"
-UNREADABLE = "not read"
-UNKNOWN = "not understood"
-LEFT_OUT = "left out"
-STRANGER = "not in the roster"
-NOTHING = "nothing handed in"
-STATES = (GRADED, OLDER, OTHER, EXTRA, LEFT_OUT, UNREADABLE, NOTHING, STRANGER, UNKNOWN)
 MOST = 20  # lines at the terminal
 LINKS = "links, which are not followed"
-CONTRARY = (
-    "another work of that name came in another download, and this one does not count; "
-    "was one of them handed in to the wrong assignment?"
-)
-
-SUSPECT = "may be an exercise that is missing; no exercise has a file of this name"
 HEADER = ("entry", "file", "student", "exercise", "state", "reason", "look at it")
+
+
+class Fate(StrEnum):
+    """What became of it, in the order of the report."""
+
+    GRADED = "to be graded"
+    OLDER = "older version"
+    OTHER = "another exercise"
+    EXTRA = "extra file"
+    LEFT_OUT = "left out"
+    UNREADABLE = "not read"
+    NOTHING = "nothing handed in"
+    STRANGER = "not in the roster"
+    UNKNOWN = "not understood"
 
 
 @dataclass(frozen=True)
 class Line:
     """One file, one entry or one student of the account."""
 
-    state: str  # one of STATES
+    state: Fate
     entry: str = ""  # what lies in the download
     file: str = ""  # in it, as the student called it
     student: str = ""
@@ -46,7 +44,6 @@ class Line:
     held: bool = False  # too, and the results say so themselves
 
     def __str__(self) -> str:
-        """Return a line for the terminal."""
         what = ": ".join(dict.fromkeys(filter(None, (self.student, self.entry, self.file))))
         return f"{self.state}: {what}" + (f" ({self.reason})" if self.reason else "")
 
@@ -59,16 +56,13 @@ class Account:
 
     @property
     def faults(self) -> list[Line]:
-        """The lines that a person should look at."""
         return [line for line in self.lines if line.fault]
 
     def counts(self) -> dict[str, int]:
-        """Return how many lines there are of each state."""
         found = Counter(line.state for line in self.lines)
-        return {state: found[state] for state in STATES if found[state]}
+        return {state: found[state] for state in Fate if found[state]}
 
     def csv(self) -> str:
-        """Return the account as a table."""
         return csv_text(
             [HEADER]
             + [
@@ -79,7 +73,6 @@ class Account:
         )  # fmt: skip
 
     def summary(self) -> list[str]:
-        """Return the lines for the terminal."""
         faults = self.faults
         lines = [f"  {line}" for line in faults[:MOST]]
         if len(faults) > MOST:
@@ -91,7 +84,7 @@ def student_lines(student: Student, fates: Mapping[int, Line]) -> list[Line]:
     """Return a line for each of a student's files; what became of some is given by `id(file)`."""
     lines = [
         replace(
-            fates.get(id(file), Line(EXTRA)),
+            fates.get(id(file), Line(Fate.EXTRA)),
             entry=file.entry.path.name, file=file.name, student=student.id,
         )
         for file in student.files
@@ -100,18 +93,9 @@ def student_lines(student: Student, fates: Mapping[int, Line]) -> list[Line]:
         Line, entry="; ".join(each.path.name for _, each in student.entries), student=student.id
     )
     if student.problem:  # the student is held for it
-        lines.append(line(UNREADABLE, reason=student.problem, held=True))
+        lines.append(line(Fate.UNREADABLE, reason=student.problem, held=True))
     elif not student.files and student.links:
-        lines.append(line(UNREADABLE, reason=LINKS, held=True))
+        lines.append(line(Fate.UNREADABLE, reason=LINKS, held=True))
     elif not student.files:
-        lines.append(line(NOTHING))
+        lines.append(line(Fate.NOTHING))
     return lines
-
-
-def set_aside_lines(set_aside: Sequence[SetAside]) -> list[Line]:
-    """Return a line for each thing that is nobody's work."""
-    return [
-        Line(UNKNOWN if each.fault else LEFT_OUT, entry=each.name, reason=each.reason,
-             fault=each.fault)
-        for each in set_aside
-    ]  # fmt: skip

@@ -1,6 +1,7 @@
 """What a person asks for, at the command line or at the desk, as a change of the log.
 
-Nothing here writes: `Marking.add` does, and `Marking.preview` says what it would come to.
+Nothing here writes: `Marking.add` does, and `Marking.preview` says what it would come to. Where
+there is nobody and nothing that is called so, or no such number, InputError says what there is.
 """
 
 from __future__ import annotations
@@ -13,22 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grader.classroom.amendments.change import (
-    Answer,
-    Comment,
-    Late,
-    Publish,
-    Request,
-    Score,
-    SetCheck,
-    Style,
-    Waive,
-    Whom,
-)
+from grader.classroom.amendments import change as changes
 from grader.classroom.amendments.late import moment_of, span_of, times_of
 from grader.classroom.amendments.log import Entry, active
 from grader.classroom.amendments.people import nearest
-from grader.classroom.amendments.request_text import LAST, MOST, fields_of
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
 from grader.link.cell import Refused, read_in_cell
@@ -41,6 +30,14 @@ if TYPE_CHECKING:
 RUBRIC = "rubric.toml"  # in the folder of the class
 READ, SENT = "looked at", "sent by the student"  # reasons, where none is asked for
 MAX_WORDS = 2000  # [characters] of a comment, an answer, or what a student asks
+MOST = 20_000  # [characters] of a request
+LAST = "please look at"
+FIELD = re.compile(rf"[>\s]*(student|exercise|check|moment|{LAST})\s*:[ \t]*(.*)", re.IGNORECASE)
+QUOTED = re.compile(r"^[>\s]+")
+EXPECTED = (
+    "expected the text that a feedback page makes, with the lines Student, Exercise, Check, "
+    "Moment and Please look at"
+)
 
 
 @dataclass(frozen=True)
@@ -51,16 +48,12 @@ class Named:
     section: str = ""
     everybody: bool = False
 
-    def whom(self, class_: Marking, task: Task | None = None) -> Whom:
-        """Return whom they are; see `Marking.whom`."""
+    def whom(self, class_: Marking, task: Task | None = None) -> changes.Whom:
         return class_.whom(self.students, self.section, everybody=self.everybody, task=task)
 
 
 def number(text: object, most: float = math.inf) -> float:
-    """Return a finite number, as a person types it.
-
-    Raises InputError: it is none, or not from 0 to `most`.
-    """
+    """Return a finite number from 0 to `most`, as a person types it."""
     try:
         found = float(str(text))
     except ValueError:
@@ -76,70 +69,50 @@ def number(text: object, most: float = math.inf) -> float:
 
 def set_check(
     class_: Marking, named: Named, exercise: str, check: str, points: float, *, may_lower: bool
-) -> SetCheck:
-    """Return the change by which a check has these points.
-
-    Raises InputError: there is no such exercise, student or check, or it gives fewer points.
-    """
+) -> changes.SetCheck:
     task = class_.exercise(exercise)
     whom = named.whom(class_, task)
     most = class_.check(task, check, whom)
     if points > most:
         raise InputError(f"{points:g} points: {check} of {task.slug} gives 0 to {most:g}")
-    return SetCheck(task.slug, check, points, whom, may_lower=may_lower)
+    return changes.SetCheck(task.slug, check, points, whom, may_lower=may_lower)
 
 
 def waive(
     class_: Marking, named: Named, exercise: str, check: str, *, may_lower: bool
-) -> Waive:  # fmt: skip
-    """Return the change by which a check doesn't count.
-
-    Raises InputError: there is no such exercise, student or check.
-    """
+) -> changes.Waive:  # fmt: skip
     task = class_.exercise(exercise)
     whom = named.whom(class_, task)
     class_.check(task, check, whom)
-    return Waive(task.slug, check, whom, may_lower=may_lower)
+    return changes.Waive(task.slug, check, whom, may_lower=may_lower)
 
 
-def score(class_: Marking, named: Named, exercise: str, points: float) -> Score:
-    """Return the change by which students have these points.
-
-    Raises InputError: there is no such exercise or student, none is named, or it has fewer points.
-    """
+def score(class_: Marking, named: Named, exercise: str, points: float) -> changes.Score:
     task = class_.exercise(exercise)
     if not named.students:
         raise InputError("a score is one student's: expected --student ID (more than once)")
     whom = named.whom(class_, task)
     if points > task.points:
         raise InputError(f"{points:g} points: {task.slug} gives 0 to {task.points:g}")
-    return Score(task.slug, points, whom)
+    return changes.Score(task.slug, points, whom)
 
 
 def late(
     class_: Marking, named: Named, exercise: str, per_day: float, *, deadline: str = "",
     zone: str = "UTC", grace: str = "0", cap: float = 100.0, times: Path | None = None,
-) -> Late:  # fmt: skip
-    """Return the rule by which lateness costs points.
-
-    Raises InputError: there is no such exercise or student, or no such time.
-    """
+) -> changes.Late:  # fmt: skip
     task = class_.exercise(exercise)
     whom = named.whom(class_)
     known = {} if times is None else times_of(times, zone, class_.students, class_.rows)
     if times is not None and not deadline:
         raise InputError("--times needs --deadline: late is what comes after it")
     since = moment_of(deadline, zone) if deadline else ""
-    return Late(task.slug, per_day, since, span_of(grace), cap, zone, known, whom)
+    return changes.Late(task.slug, per_day, since, span_of(grace), cap, zone, known, whom)
 
 
-def publish(class_: Marking, named: Named, exercises: Sequence[str]) -> Publish:
-    """Return the change by which students may see their feedback.
-
-    Raises InputError: there is no such exercise or student.
-    """
+def publish(class_: Marking, named: Named, exercises: Sequence[str]) -> changes.Publish:
     slugs = tuple(class_.exercise(name).slug for name in exercises)
-    return Publish(slugs, named.whom(class_))
+    return changes.Publish(slugs, named.whom(class_))
 
 
 # --- words ---------------------------------------------------------------------------------------
@@ -147,11 +120,8 @@ def publish(class_: Marking, named: Named, exercises: Sequence[str]) -> Publish:
 
 def comment(
     class_: Marking, student: str, exercise: str, file: str, line: float, words: str
-) -> Comment:
-    """Return words on a line of a student's file.
-
-    Raises InputError: there is no such student, exercise, file or line, or nothing is said.
-    """
+) -> changes.Comment:
+    """Return words on a line of a student's file."""
     task, who = class_.exercise(exercise), class_.student(student)
     texts = class_.store.texts((who, task.slug))
     if file not in texts:
@@ -159,15 +129,15 @@ def comment(
     last = len(lines_of(texts[file]))
     if line != int(line) or not 1 <= line <= last:
         raise InputError(f"line {line:g}: {file} of {who} has lines 1 to {last}")
-    return Comment(task.slug, file, int(line), _words(words), Named([who]).whom(class_, task))
+    return changes.Comment(
+        task.slug, file, int(line), _words(words), Named([who]).whom(class_, task)
+    )
 
 
-def style(class_: Marking, student: str, exercise: str, given: Mapping[str, float]) -> Style:
-    """Return points for style by the class's rubric.
-
-    Raises InputError: there is no such student, exercise or rubric, or a criterion has no points,
-    or too many.
-    """
+def style(
+    class_: Marking, student: str, exercise: str, given: Mapping[str, float]
+) -> changes.Style:
+    """Return points for style by the class's rubric."""
     task, rubric = class_.exercise(exercise), rubric_of(class_.out)
     if not rubric:
         raise InputError(
@@ -183,14 +153,11 @@ def style(class_: Marking, student: str, exercise: str, given: Mapping[str, floa
     for name, points in given.items():
         number(points, rubric[name])
     found = {name: (float(given[name]), most) for name, most in rubric.items()}
-    return Style(task.slug, found, Named([class_.student(student)]).whom(class_, task))
+    return changes.Style(task.slug, found, Named([class_.student(student)]).whom(class_, task))
 
 
 def rubric_of(out: Path) -> dict[str, float]:
-    """Return the points that each criterion of style gives; {} if the class has no rubric.
-
-    Raises InputError: the file is none.
-    """
+    """Return the points that each criterion of style gives; {} if the class has no rubric."""
     try:
         points = tomllib.loads((out / RUBRIC).read_text("utf-8"))["points"]
         found = {str(name): number(most) for name, most in points.items()}
@@ -206,11 +173,8 @@ def rubric_of(out: Path) -> dict[str, float]:
 # --- requests ------------------------------------------------------------------------------------
 
 
-def request(class_: Marking, text: str) -> Request:
-    """Return what a student asks, by the text of the feedback page.
-
-    Raises InputError: it is no such text, is about nobody, or is in the log already.
-    """
+def request(class_: Marking, text: str) -> changes.Request:
+    """Return what a student asks, by the text of the feedback page."""
     try:
         said = read_in_cell(fields_of, text, returns=dict[str, str])
     except Refused as error:
@@ -218,14 +182,34 @@ def request(class_: Marking, text: str) -> Request:
     who, task = class_.student(said["student"]), class_.exercise(said["exercise"])
     check = said.get("check", "")
     if check:
-        class_.check(task, check, Whom())
+        class_.check(task, check, changes.Whom())
     moment = number(said["moment"].removesuffix("s")) if said.get("moment") else None
     whom = Named([who]).whom(class_, task)
-    change = Request(task.slug, check, moment, _words(said[LAST]), whom)
+    change = changes.Request(task.slug, check, moment, _words(said[LAST]), whom)
     for entry in active(class_.entries):
         if entry.change == change:
             raise InputError(f"entry {entry.number} of the log is this request already")
     return change
+
+
+def fields_of(text: str) -> dict[str, str]:
+    """Return what a request's lines say, by their small names; a mail may quote them, and say more.
+
+    It may be anything, and is read in a cell.
+
+    Raises Refused: it is no request.
+    """
+    found: dict[str, str] = {}
+    for line in visible(text[:MOST]).splitlines():
+        match = None if LAST in found else FIELD.fullmatch(line)
+        if match:
+            found.setdefault(match[1].lower(), match[2].strip())
+        elif LAST in found:
+            found[LAST] += " " + QUOTED.sub("", line)
+    found = {name: " ".join(words.split()) for name, words in found.items()}
+    if not all(found.get(name) for name in ("student", "exercise", LAST)):
+        raise Refused(f"this is no request: {EXPECTED}")
+    return found
 
 
 def text_of(file: Path) -> str:
@@ -236,24 +220,21 @@ def text_of(file: Path) -> str:
     return read_regular_file(file, MOST).decode("utf-8-sig", "replace")
 
 
-def answer(class_: Marking, number_: float, words: str) -> Answer:
-    """Return the answer to a request, by its number in the log.
-
-    Raises InputError: there is no such request, or nothing is said.
-    """
+def answer(class_: Marking, number_: float, words: str) -> changes.Answer:
+    """Return the answer to a request, by its number in the log."""
     for entry, asked, _ in requests(class_.entries):
         if entry.number == number_:
-            return Answer(entry.number, asked.exercise, _words(words), asked.whom)
+            return changes.Answer(entry.number, asked.exercise, _words(words), asked.whom)
     raise InputError(f"entry {number_:g} of the log is no request that counts")
 
 
-def requests(entries: Sequence[Entry]) -> list[tuple[Entry, Request, list[Entry]]]:
+def requests(entries: Sequence[Entry]) -> list[tuple[Entry, changes.Request, list[Entry]]]:
     """Return the requests that count, each with its answers, the newest first."""
     counting = active(entries)
     found = []
     for entry in reversed(counting):
-        if isinstance(entry.change, Request):
-            mine = [each for each in counting if isinstance(each.change, Answer)
+        if isinstance(entry.change, changes.Request):
+            mine = [each for each in counting if isinstance(each.change, changes.Answer)
                     and each.change.request == entry.number]  # fmt: skip
             found.append((entry, entry.change, mine))
     return found

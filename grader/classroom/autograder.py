@@ -64,7 +64,9 @@ def main(arguments: Sequence[str]) -> int:
     root = Path(arguments[0])
     target = root / "results" / "results.json"
     try:
-        keep_out(root / "source", target.parent)
+        for folder in (root / "source", target.parent):  # students' nodes run as other users
+            folder.mkdir(parents=True, exist_ok=True)
+            folder.chmod(OWN)
         target.unlink(missing_ok=True)
         found = judged(root)
     except (GraderError, InputError, OSError) as error:
@@ -76,13 +78,6 @@ def main(arguments: Sequence[str]) -> int:
     write_text(target, json_text(found))
     echo(f"{found['score']:g} points")
     return 0
-
-
-def keep_out(*folders: Path) -> None:
-    """Leave these folders to the user who runs this; students' nodes run as others."""
-    for folder in folders:
-        folder.mkdir(parents=True, exist_ok=True)
-        folder.chmod(OWN)
 
 
 def judged(root: Path) -> dict[str, Any] | str:
@@ -133,9 +128,7 @@ def composed(
 ) -> dict[str, Any] | str:
     """Return `results.json` of what was graded, with a failed test for what is not there."""
     tasks = tasks_of(results)
-    by_slug = {task.slug: task for task in tasks}
-    marks = [mark_of(as_shown(one, hidden), by_slug[one.exercise]) for one in results]
-    made = results_json(marks, tasks)
+    made = results_json([mark_of(as_shown(one, hidden)) for one in results], tasks)
     if made is None:
         return "a check could not be judged"
     for exercise, problem in missing:
@@ -160,7 +153,6 @@ def submitter(metadata: Path) -> str:
 
 
 def name_in(metadata: IO[bytes]) -> str:
-    """Return the name of a submission's first user."""
     users = json.load(metadata)["users"]
     first = min(users, key=lambda user: int(user["id"]))
     return str(first["name"]).encode("utf-8", "replace").decode()
@@ -178,7 +170,7 @@ def _stored(unit: Unit, result: UnitResult) -> StoredResult:
     return StoredResult(
         student=unit.student, exercise=unit.exercise, file_names=tuple(unit.files), input_hash="",
         state=HELD if result.grading is None else GRADED, grading=result.grading, recordings=None,
-        wall_s=result.wall_s, attempts=1, problem=result.problem, finished="", canary=False,
+        wall_s=result.wall_s, attempts=1, problem=result.problem, finished="",
     )  # fmt: skip
 
 

@@ -20,7 +20,6 @@ from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.intake.whose import NOTHING_KNOWN
 from grader.classroom.options import Options, refuse_another
 from grader.classroom.progress import Progress
-from grader.classroom.regrade_run import judge_again
 from grader.classroom.results.options import OPTIONS, ResultOptions, column_titles, kept_text
 from grader.classroom.results.pair_pages import write_likeness
 from grader.classroom.results.similarity import Sources
@@ -81,40 +80,39 @@ def autograde(
     Raises GraderError: another batch works on `out`, or no worker can be started.
     Raises DiskFull: no space was left; what is graded is stored, and what is written is whole.
     """
-    with naming_a_full_disk(NO_SPACE.format(out=out, temporary=tempfile.gettempdir())):
-        return _autograde(submissions, out, options, progress, regrade=regrade)
-
-
-def _autograde(
-    submissions: Sequence[Path], out: Path, options: Options, progress: Progress, *, regrade: bool
-) -> GradedClass:
-    out.mkdir(parents=True, exist_ok=True)
     scratch, parts = out / UNPACKED, out / RECORDINGS / PARTS
-    with locked(out), Store(out / STORE) as store, _emptied(scratch), _emptied(parts):
+    with (
+        naming_a_full_disk(NO_SPACE.format(out=out, temporary=tempfile.gettempdir())),
+        locked(out),
+        Store(out / STORE) as store,
+        _emptied(scratch),
+        _emptied(parts),
+    ):
         sweep()
         store.requeue_running()
         refuse_another(options, store)
         taken_in = enter_candidates(submissions, scratch, store, options, regrade=regrade)
-        for line in taken_in.said:
-            progress.say(line)
+        if taken_in.said:
+            progress.say(taken_in.said)
         only = _students(options.only if regrade else options.again, store, taken_in)
         if options.retry_held and not regrade:
             store.retry_held()
         if not regrade:
             store.again(key for key in taken_in.candidates if key[0] in only)
         writer = _Writer(store, out, options, taken_in, _earlier(options.earlier))
+        writer.wanted()
         candidates = {
             key: candidate
             for key, candidate in taken_in.candidates.items()
             if not only or not regrade or key[0] in only
         }
-        about = store, out, candidates, options, progress
+        run = GradingRun(store, out, candidates, options, progress)
         notes: list[str] = []
         try:
             if regrade:
-                judge_again(*about)
+                run.judge_again()
             else:
-                notes = GradingRun(*about).run()
+                notes = run.run()
         except KeyboardInterrupt:
             store.requeue_running()
             progress.say("interrupted: writing what is graded; Ctrl-C again leaves at once")
@@ -135,8 +133,7 @@ def _earlier(folders: Sequence[Path]) -> dict[tuple[str, str], dict[str, bytes]]
     for folder in folders:
         if (folder / STORE).is_file():
             with Store(folder / STORE) as store:
-                keys = [(row.student, row.exercise) for row in store.results() if not row.canary]
-                texts = {key: store.texts(key) for key in keys}
+                texts = {row.key: store.texts(row.key) for row in store.results()}
         else:
             with tempfile.TemporaryDirectory(prefix="course-") as scratch:
                 texts = _sources(find_class([folder], Path(scratch), Options()))
@@ -156,56 +153,51 @@ def _sources(taken_in: Class) -> dict[tuple[str, str], dict[str, bytes]]:
 
 
 def _students(words: Sequence[str], store: Store, taken_in: Class) -> set[str]:
-    """Return the students who are meant; none if nobody is named.
-
-    Raises InputError: nobody is called so.
-    """
+    """Return the students who are meant; none if nobody is named."""
     everybody = sorted({student for student, _ in taken_in.candidates})
     rows = store.students()
     return {the_student(word, everybody, rows) for word in words}
 
 
+@dataclass(frozen=True)
 class _Writer:
     """Writes the results when the batch is over, or was interrupted."""
 
-    def __init__(
-        self, store: Store, out: Path, options: Options, taken_in: Class, earlier: Sources
-    ) -> None:  # fmt: skip
-        self._store = store
-        self._out = out
-        self._options = options
-        self._taken_in = taken_in
-        self._earlier = earlier
-        store.keep(OPTIONS, kept_text(self._wanted([])))  # for marks, after a kill, too
+    store: Store
+    out: Path
+    options: Options
+    taken_in: Class
+    earlier: Sources
+
+    def wanted(self, notes: Sequence[str] = ()) -> ResultOptions:
+        """Return how results are written, and keep it: marks change later, also after a kill."""
+        wanted = ResultOptions(
+            hide=self.options.hide or "nothing",
+            notes=[*self.store.notes(), *notes],
+            workers=self.options.workers,
+            account=self.taken_in.account,
+            students=self.store.students(),
+            roster=self.options.roster,
+            nbgrader=self.options.nbgrader,
+            columns=column_titles(self.options.columns),
+        )
+        self.store.keep(OPTIONS, kept_text(wanted))
+        return wanted
 
     def write(
         self, notes: Sequence[str], *, over: bool = False
     ) -> tuple[list[StoredResult], Written]:
         """Write all results; submissions are compared with each other only when all is over."""
-        wanted = self._wanted(notes)
-        self._store.keep(OPTIONS, kept_text(wanted))
-        if over and not self._taken_in.kept:  # whose files are not here
-            sources = _sources(self._taken_in)
-            alike = write_likeness(self._out, sources, self._earlier, wanted.title)
-            self._store.keep(ALIKE, msgspec.json.encode(alike).decode())
-        return write_class(self._store, self._out, wanted)
-
-    def _wanted(self, notes: Sequence[str]) -> ResultOptions:
-        return ResultOptions(
-            hide=self._options.hide or "nothing",
-            notes=[*self._store.notes(), *notes],
-            workers=self._options.workers,
-            account=self._taken_in.account,
-            students=self._store.students(),
-            roster=self._options.roster,
-            nbgrader=self._options.nbgrader,
-            columns=column_titles(self._options.columns),
-        )
+        wanted = self.wanted(notes)
+        if over and not self.taken_in.kept:  # whose files are not here
+            sources = _sources(self.taken_in)
+            alike = write_likeness(self.out, sources, self.earlier, wanted.title)
+            self.store.keep(ALIKE, msgspec.json.encode(alike).decode())
+        return write_class(self.store, self.out, wanted)
 
 
 @contextlib.contextmanager
 def _emptied(folder: Path) -> Iterator[None]:
-    """Empty the folder of what a killed run left behind, and remove it at the end."""
     shutil.rmtree(folder, ignore_errors=True)
     try:
         yield

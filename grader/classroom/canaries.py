@@ -12,8 +12,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from grader.authoring.claims import Claim, claims
-from grader.classroom.engine import WorkerDied
+from grader.authoring.claims import claims
 from grader.classroom.options import Options
 from grader.classroom.store import Key, Store
 from grader.classroom.work import Unit, UnitResult, stalled
@@ -32,7 +31,7 @@ class Canary:
     def drift(self, result: UnitResult) -> str:
         """Say how the outcome differs from the one it must have; "" if it doesn't."""
         if result.grading is None:
-            return result.problem
+            return f"could not be graded: {result.problem}"
         by_outcome: dict[str, set[str]] = {}
         for check in result.grading["checks"]:
             by_outcome.setdefault(check["outcome"], set()).add(check["id"])
@@ -47,8 +46,6 @@ class Canary:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What follows from a round."""
-
     again: Sequence[Key] = ()  # units to grade again
     held: Sequence[Key] = ()  # units to leave to a person
     why: str = ""  # they are
@@ -80,7 +77,6 @@ class _Rounds:
         self.graded, self.doubted, self.unconfirmed = 0, False, False
 
     def next(self) -> Unit:
-        """Return the next canary of the round."""
         canary = self.waiting.pop(0)
         self.running[canary.unit.key] = canary
         return canary.unit
@@ -94,7 +90,7 @@ class Canaries:
         self._every = options.canaries  # units between two rounds
         self._rounds: dict[str, _Rounds] = {}
         for slug, exercise in exercises.items() if options.canaries else ():
-            sample = Unit("", slug, {}, field=options.field, tier=options.tier, trust=options.trust)
+            sample = Unit("", slug, {}, field=options.field, trust=options.trust)
             found = canaries_of(exercise, sample)
             if not found:
                 store.note(f"{slug}: without its solutions, no canaries were graded.")
@@ -150,13 +146,8 @@ class Canaries:
         if slug in self._rounds:
             self._rounds[slug].doubted = True
 
-    def done(
-        self, unit: Unit, result: UnitResult | WorkerDied, waiting: Collection[Key]
-    ) -> Verdict:
-        """Take in the result of a canary; return what follows."""
+    def done(self, unit: Unit, result: UnitResult, waiting: Collection[Key]) -> Verdict:
         rounds = self._rounds[unit.exercise]
-        if isinstance(result, WorkerDied):
-            result = UnitResult(None, f"could not be graded: {result}")
         drift = rounds.running.pop(unit.key).drift(result)
         if stalled(result.grading):
             rounds.stalls = True
@@ -169,7 +160,6 @@ class Canaries:
         return self._verdict(unit.exercise, rounds, waiting)
 
     def _verdict(self, slug: str, rounds: _Rounds, waiting: Collection[Key]) -> Verdict:
-        """Return what follows from a round that is over."""
         why = "; ".join(rounds.drifts)
         if (why or rounds.stalls) and not rounds.alone:
             rounds.trusted, rounds.suspect = False, why
@@ -204,7 +194,12 @@ def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
         return []
     known = list(claims(exercise))
     right = next(claim for claim in known if claim.kind == "reference")
-    wrong = next((claim for claim in known if _is_plain_mutant(claim)), None)
+    mutants = (  # in one file, that fail core checks, without libraries
+        claim for claim in known
+        if claim.kind == "mutant" and not claim.requires
+        and not any(check.startswith("field_") for check in claim.fails)
+    )  # fmt: skip
+    wrong = next(mutants, None)
     return [
         Canary(
             replace(
@@ -219,9 +214,3 @@ def canaries_of(exercise: Exercise, sample: Unit) -> list[Canary]:
         for name, claim in ((REFERENCE, right), (MUTANT, wrong))
         if claim is not None
     ]
-
-
-def _is_plain_mutant(claim: Claim) -> bool:
-    """Return whether a claim is a mutant in one file that fails core checks, without libraries."""
-    core = not any(check.startswith("field_") for check in claim.fails)
-    return claim.kind == "mutant" and core and not claim.requires

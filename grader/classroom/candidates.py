@@ -3,25 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.account import (
-    CONTRARY,
-    EXTRA,
-    GRADED,
-    LEFT_OUT,
-    OLDER,
-    OTHER,
-    STRANGER,
-    SUSPECT,
-    UNKNOWN,
-    Account,
-    Line,
-    set_aside_lines,
-    student_lines,
-)  # fmt: skip
+from grader.classroom.account import Account, Fate, Line, student_lines
 from grader.classroom.conditions import fingerprint, submission_hash
 from grader.classroom.intake.exercise_files import WORK, Found, find_files, left_over, sole_work
 from grader.classroom.intake.handed_in import HandedIn, Student
@@ -36,8 +22,9 @@ from grader.course.students import Seed, student_key
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
 from grader.lms.book import Handed, StudentRow
-from grader.lms.people import NO_PERSON, Roster
-from grader.lms.times import times
+from grader.lms.moodle import times
+from grader.lms.people import NO_PERSON
+from grader.lms.platform import Entry
 
 MOST_SHOWN = 20  # files of a student's for a person to read
 LONGEST_SHOWN = 100_000  # [bytes] of each
@@ -47,6 +34,11 @@ ANONYMOUS = (
     "settings and download it again, or say of each whose it is: course marks assign"
 )
 NOBODY_SO = "nobody in the roster is called so or has this id"
+CONTRARY = (
+    "another work of that name came in another download, and this one does not count; "
+    "was one of them handed in to the wrong assignment?"
+)
+SUSPECT = "may be an exercise that is missing; no exercise has a file of this name"
 SKELETON = "still as it was handed out, so it was not handed in"
 SOLE = "the only file that may be work"
 ACCEPTED = "accepted by a person"
@@ -105,9 +97,7 @@ class Candidate:
 
     def input_hash(self, files: Mapping[str, bytes], options: Options) -> str:
         """Return a hash of all that the grading of these files depends on."""
-        submitted = submission_hash(
-            self.exercise, files, seed=self.seed, field=options.field, tier=options.tier
-        )
+        submitted = submission_hash(self.exercise, files, seed=self.seed, field=options.field)
         return f"{submitted}{self.conditions}"
 
 
@@ -118,7 +108,7 @@ class Class:
     candidates: dict[Key, Candidate]
     account: Account
     students: tuple[StudentRow, ...] = ()
-    said: tuple[str, ...] = ()  # of earlier results
+    said: str = ""  # of earlier results
     kept: frozenset[Key] = frozenset()  # graded before, and not in these downloads
 
 
@@ -132,55 +122,57 @@ def find_class(
     intake = take_in(submissions, scratch, options.roster, known)
     everything = {exercise.slug: exercise for exercise in all_exercises()}
     found = {
-        (student.id, slug): find_files(
-            student, exercise.files, known.accepted.get((student.id, slug), ""), ACCEPTED
-        )
+        student.id: {
+            slug: find_files(
+                student, exercise.files, known.accepted.get((student.id, slug), ""), ACCEPTED
+            )
+            for slug, exercise in everything.items()
+        }
         for student in intake.students
-        for slug, exercise in everything.items()
     }
     exercises = _wanted(everything, found, options, submissions, intake.students)
     if len(exercises) == 1:
         ((slug, exercise),) = exercises.items()
         for student in intake.students:
-            if not any(found[student.id, each].files for each in everything) and student.files:
-                sole = sole_work(student)
-                found[student.id, slug] = find_files(student, exercise.files, sole, SOLE)
+            mine = found[student.id]
+            if not any(each.files for each in mine.values()) and student.files:
+                mine[slug] = find_files(student, exercise.files, sole_work(student), SOLE)
     leaders = _leaders(found)
     conditions = {slug: fingerprint(exercise) for slug, exercise in exercises.items()}
     candidates = {}
     for student in intake.students:
-        nothing = _handed_in_nothing(student, [found[student.id, slug] for slug in everything])
+        mine = found[student.id]
+        nothing = _handed_in_nothing(student, mine.values())
         for slug, exercise in exercises.items():
-            each = found[student.id, slug]
+            each, leader = mine[slug], leaders.get((student.id, slug), "")
             candidates[student.id, slug] = Candidate(
                 student.id,
                 exercise,
                 each,
-                None
-                if options.secret is None
-                else student_key(options.secret, leaders.get((student.id, slug), student.id), slug),
+                student_key(options.secret, leader or student.id, slug) if options.secret else None,
                 conditions[slug],
                 absent=nothing and not each.files,
                 whose=student.whose or _another(student, slug, each, known),
-                leader=leaders.get((student.id, slug), ""),
+                leader=leader,
                 unknown=() if each.files else tuple(student.files),
             )
-    account = _account(intake, found, list(exercises), options)
-    students = tuple(
-        _row(student, found, list(exercises), options.roster, known) for student in intake.students
+    account = _account(intake, found, exercises, options)
+    students = (
+        _row(student, [(slug, found[student.id][slug].entry) for slug in exercises], options, known)
+        for student in intake.students
     )
-    return Class(candidates, account, students)
+    return Class(candidates, account, tuple(students))
 
 
-def _leaders(found: Mapping[Key, Found]) -> dict[Key, str]:
+def _leaders(found: Mapping[str, Mapping[str, Found]]) -> dict[Key, str]:
     """Return for each member of a group who is graded for all who handed in the same files."""
     first: dict[object, str] = {}
     leaders = {}
-    for student, slug in sorted(found):
-        used = found[student, slug].used
-        same = (slug, tuple((file.entry.path, file.name) for file in used))
-        if used and first.setdefault(same, student) != student:
-            leaders[student, slug] = first[same]
+    for student, mine in sorted(found.items()):
+        for slug, each in mine.items():
+            same = (slug, tuple((file.entry.path, file.name) for file in each.used))
+            if each.used and first.setdefault(same, student) != student:
+                leaders[student, slug] = first[same]
     return leaders
 
 
@@ -190,7 +182,7 @@ def _another(student: Student, slug: str, found: Found, known: Known) -> str:
     if student.person is not None or row is None or entry is None or slug not in row.handed:
         return ""
     before = row.handed[slug]
-    if {before.system, entry.who.system} != {"moodle"} or entry.word in known.words(student.id):
+    if {before.system, entry.who.system} != {"moodle"} or entry.word in row.seen:
         return ""
     said = known.assigned.get(entry.word) or known.assigned.get(entry.path.name)
     return "" if said or not before.id else ANOTHER.format(entry.who.id, before.id, entry.path.name,
@@ -199,7 +191,7 @@ def _another(student: Student, slug: str, found: Found, known: Known) -> str:
 
 def _wanted(
     everything: Mapping[str, Exercise],
-    found: Mapping[Key, Found],
+    found: Mapping[str, Mapping[str, Found]],
     options: Options,
     submissions: Sequence[Path],
     students: Sequence[Student],
@@ -208,10 +200,10 @@ def _wanted(
     if options.exercises:
         named = [find_exercise(name) for name in options.exercises]
         return {exercise.slug: exercise for exercise in named}
-    handed_in = {slug for (_, slug), each in found.items() if each.files}
+    handed_in = {slug for mine in found.values() for slug, each in mine.items() if each.files}
     if not handed_in:
         first = min(students, key=lambda each: (not each.problem, not each.files))
-        problem = next(each.problem for (who, _), each in found.items() if who == first.id)
+        problem = next(iter(found[first.id].values())).problem
         where = ", ".join(map(str, submissions))
         raise InputError(
             f"{where}: none of {len(students)} students has a file of any exercise; "
@@ -220,7 +212,7 @@ def _wanted(
     return {slug: exercise for slug, exercise in everything.items() if slug in handed_in}
 
 
-def _handed_in_nothing(student: Student, found: Sequence[Found]) -> bool:
+def _handed_in_nothing(student: Student, found: Collection[Found]) -> bool:
     """Return whether what a student has no file of was not handed in, as far as can be told.
 
     It was perhaps, if a part can't be read, or if something is there and none of it has the name of
@@ -239,50 +231,53 @@ def _handed_in_nothing(student: Student, found: Sequence[Found]) -> bool:
 
 
 def _account(
-    intake: Intake, found: Mapping[Key, Found], wanted: Sequence[str], options: Options
-) -> Account:
+    intake: Intake, found: Mapping[str, Mapping[str, Found]], wanted: Collection[str],
+    options: Options,
+) -> Account:  # fmt: skip
     lines = []
-    slugs = list(dict.fromkeys(slug for _, slug in found))
     unknown = options.roster.people and not any(s.person and s.who for s in intake.students)
     if unknown:
         sheets = ", ".join(str(sheet.file) for sheet in options.roster.sheets)
         anonymous = all(who.system == "canvas" and not who.id
                         for student in intake.students for who in student.who)  # fmt: skip
         reason = ANONYMOUS if anonymous else OTHER_CLASS
-        lines.append(Line(UNKNOWN, entry=sheets, reason=reason, fault=True))
+        lines.append(Line(Fate.UNKNOWN, entry=sheets, reason=reason, fault=True))
     for student in intake.students:
-        mine = {slug: found[student.id, slug] for slug in slugs}
-        lines += student_lines(student, _fates(student, mine, wanted))
+        lines += student_lines(student, _fates(student, found[student.id], wanted))
         if options.roster.people and student.person is None:
             reason, held = student.whose or NOBODY_SO, bool(student.whose)
-            lines.append(Line(STRANGER, student=student.id, reason=reason,
+            lines.append(Line(Fate.STRANGER, student=student.id, reason=reason,
                               fault=not unknown and not held, held=held))  # fmt: skip
-    return Account((*lines, *set_aside_lines(intake.set_aside)))
+    for each in intake.set_aside:
+        state = Fate.UNKNOWN if each.fault else Fate.LEFT_OUT
+        lines.append(Line(state, entry=each.name, reason=each.reason, fault=each.fault))
+    return Account(tuple(lines))
 
 
-def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) -> dict[int, Line]:
-    """Return what became of a student's files."""
+def _fates(
+    student: Student, found: Mapping[str, Found], wanted: Collection[str]
+) -> dict[int, Line]:
     fates: dict[int, Line] = {}
     contrary = {id(file) for each in found.values() for file in each.contrary}
     for slug, each in found.items():
         for file in each.older:
             is_other = id(file) in contrary
             reason = CONTRARY if is_other else "a newer one counts"
-            fates[id(file)] = Line(OLDER, exercise=slug, reason=reason, fault=is_other)
+            fates[id(file)] = Line(Fate.OLDER, exercise=slug, reason=reason, fault=is_other)
     for slug, each in sorted(found.items(), key=lambda pair: pair[0] in wanted):
-        state = GRADED if slug in wanted else OTHER
+        state = Fate.GRADED if slug in wanted else Fate.OTHER
         fates |= {id(file): Line(state, exercise=slug, reason=each.why) for file in each.used}
         for file in each.untouched:
-            fates.setdefault(id(file), Line(LEFT_OUT, exercise=slug, reason=SKELETON))
+            fates.setdefault(id(file), Line(Fate.LEFT_OUT, exercise=slug, reason=SKELETON))
         for file in each.beside.values():
             fates.setdefault(
-                id(file), Line(EXTRA, exercise=slug, reason=f"comes along with {slug}")
+                id(file), Line(Fate.EXTRA, exercise=slug, reason=f"comes along with {slug}")
             )
     held = not student.problem and not any(each.used for each in found.values())
     if not held and any(not found[slug].files for slug in wanted):  # else the unit itself says it
-        known = [f for f in student.files if id(f) in fates and fates[id(f)].state != EXTRA]
+        known = [f for f in student.files if id(f) in fates and fates[id(f)].state != Fate.EXTRA]
         known += [file for each in found.values() for file in each.needed]
-        line = Line(UNKNOWN, reason=SUSPECT, fault=True)
+        line = Line(Fate.UNKNOWN, reason=SUSPECT, fault=True)
         fates |= {
             id(file): line for file in left_over(student, known) if not is_handed_out(file.path)
         }
@@ -290,17 +285,13 @@ def _fates(student: Student, found: Mapping[str, Found], wanted: Sequence[str]) 
 
 
 def _row(
-    student: Student, found: Mapping[Key, Found], wanted: Sequence[str], roster: Roster,
-    known: Known,
-) -> StudentRow:  # fmt: skip
+    student: Student, entries: Iterable[tuple[str, Entry | None]], options: Options, known: Known
+) -> StudentRow:
     handed = {}
-    for slug in wanted:
-        entry = found[student.id, slug].entry
+    for slug, entry in entries:
         if entry is not None:
             who, own = entry.who, entry.path.name if entry.who.system == "github" else ""
-            told, more = (
-                times(roster, student.person, own or who.id) if student.person else ("", "")
-            )
+            told, more = times(options.roster, student.person, own or who.id)
             upload = entry.version if who.system == "canvas" else 0
             handed[slug] = Handed(
                 who.system, who.name, who.id, who.email, entry.late, entry.time or told, more,

@@ -20,7 +20,6 @@ from concurrent.futures import (
     ProcessPoolExecutor,
     wait,
 )
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -34,20 +33,11 @@ MAX_UNITS = 100  # of a local worker, which is then replaced, so that no leak ad
 CONNECT_LIMIT = 20  # [s]
 
 
-class WorkerDied(Exception):
-    """A worker died while it graded a unit."""
-
-
 @contextlib.contextmanager
 def open_workers(count: int, dask: str = "") -> Iterator[Workers]:
-    """Start workers on this machine, or join those of a Dask cluster; end them with the block.
+    """Start `count` workers on this machine, or join those of a Dask cluster, for the block.
 
-    Parameters
-    ----------
-    count
-        Processes on this machine.
-    dask
-        A scheduler's address or file; then `count` is ignored.
+    `dask` is a scheduler's address or file.
 
     Raises InputError: there is no such scheduler, or Dask is not installed.
     """
@@ -63,7 +53,7 @@ def open_workers(count: int, dask: str = "") -> Iterator[Workers]:
 def run(
     workers: Workers,
     next_unit: Callable[[bool], Unit | None],
-    done: Callable[[Unit, UnitResult | WorkerDied], None],
+    done: Callable[[Unit, UnitResult], None],
 ) -> None:
     """Run units until none is left and all are done.
 
@@ -91,55 +81,40 @@ def refusal(workers: Workers) -> str:
         raise GraderError(f"no worker could be started ({error})") from None
 
 
-def _outcome(future: Future[UnitResult]) -> UnitResult | WorkerDied:
+def _outcome(future: Future[UnitResult]) -> UnitResult:
     try:
         return future.result()
     except BrokenExecutor:
-        return WorkerDied("its worker died while grading it")
+        return UnitResult(None, "its worker died while grading it", died=True)
     except Exception as error:  # Dask's KilledWorker, or a result that can't be unpickled
-        return WorkerDied(f"its worker failed ({type(error).__name__})")
-
-
-@dataclass
-class _Slot:
-    """One local worker and what it runs."""
-
-    executor: ProcessPoolExecutor
-    task: Future[Any] | None = None
-
-    @property
-    def free(self) -> bool:
-        return self.task is None or self.task.done()
+        return UnitResult(None, f"its worker failed ({type(error).__name__})", died=True)
 
 
 class LocalWorkers:
-    """Worker processes on this machine."""
-
     def __init__(self, workers: int) -> None:
         self.slots = workers
-        self._slots: list[_Slot] = []
+        self._tasks: dict[ProcessPoolExecutor, Future[Any]] = {}  # what each worker runs, or ran
 
     def submit(self, task: Callable[..., Any], *arguments: Any) -> Future[Any]:
         """Have a free worker run a function; a dead worker is replaced."""
-        slot = next((slot for slot in self._slots if slot.free), None)
-        if slot is None:
-            slot = _Slot(_one_process())
-            self._slots.append(slot)
+        free = (worker for worker, last in self._tasks.items() if last.done())
+        worker = next(free, None) or _one_process()
         try:
-            slot.task = slot.executor.submit(task, *arguments)
+            future = worker.submit(task, *arguments)
         except BrokenExecutor:  # it died, in its last unit or since
-            slot.executor.shutdown(wait=False)
-            slot.executor = _one_process()
-            slot.task = slot.executor.submit(task, *arguments)
-        return slot.task
+            worker.shutdown(wait=False)
+            self._tasks.pop(worker, None)
+            worker = _one_process()
+            future = worker.submit(task, *arguments)
+        self._tasks[worker] = future
+        return future
 
     def close(self, *, now: bool) -> None:
-        """End the workers."""
-        for slot in self._slots:
+        for worker in self._tasks:
             if now:
-                for process in list((slot.executor._processes or {}).values()):
+                for process in list((worker._processes or {}).values()):
                     process.kill()
-            slot.executor.shutdown(wait=True, cancel_futures=True)
+            worker.shutdown(wait=True, cancel_futures=True)
 
 
 class DaskWorkers:

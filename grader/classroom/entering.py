@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from grader.classroom.account import NOTHING, Account
+from grader.classroom.account import Account, Fate
 from grader.classroom.amendments.change import Accept, Assign
 from grader.classroom.amendments.log import active
 from grader.classroom.candidates import Candidate, Class, find_class
@@ -27,7 +27,7 @@ def known_of(store: Store) -> Known:
     """Return what a class's store knows of its students, and what people have said of them."""
     assigned: dict[str, tuple[str, ...]] = {}
     accepted: dict[Key, str] = {}
-    for change in (entry.change for entry in active(store.log.entries())):
+    for change in (entry.change for entry in active(store.entries())):
         if isinstance(change, Assign):
             assigned.update(dict.fromkeys(change.entries, change.whom.students))
         elif isinstance(change, Accept):
@@ -48,8 +48,12 @@ def enter_candidates(
     known = known_of(store)
     found = find_class(submissions, scratch, options, known)
     slugs = {slug for _, slug in found.candidates}
-    stored = {(r.student, r.exercise): r for r in store.results() if not r.canary}
-    moved = {student for student in known.rows if _is_moved(student, known)}
+    stored = {result.key: result for result in store.results()}
+    moved = {  # all that they had handed in is assigned to others by now
+        student for student, row in known.rows.items()
+        if row.seen and all(student not in known.assigned.get(word, (student,))
+                            for word in row.seen)
+    }  # fmt: skip
     gone = {
         key: result
         for key, result in stored.items()
@@ -62,7 +66,7 @@ def enter_candidates(
     seen = {word for row in found.students for word in row.seen}
     held = {key for key, result in gone.items()
             if result.state == HELD and key[0] in known.rows
-            and seen.isdisjoint(known.words(key[0]))}  # fmt: skip
+            and seen.isdisjoint(known.rows[key[0]].seen)}  # fmt: skip
     kept = frozenset(lost | held if options.add else ())
     texts = {}
     for key, candidate in found.candidates.items():
@@ -79,32 +83,25 @@ def enter_candidates(
         )
     store.keep_texts(texts)
     store.keep_only({*found.candidates, *kept}, slugs)
-    said: list[str] = []
+    said = ""
     if options.add and kept:
-        said = [f"Kept as they were, since they are not in these downloads: {_some(kept)}."]
+        said = f"Kept as they were, since they are not in these downloads: {_some(kept)}."
     elif lost:
-        said = [
+        said = (
             f"Earlier results were dropped, because nothing of them is there: {_some(lost)}. A run "
             "with all downloads of the class grades them again."
-        ]
-        store.note(said[0])
+        )
+        store.note(said)
     store.know(_known_rows(found.students, known, kept))
     account = found.account
     if options.add:
         text = store.kept(OPTIONS)
         earlier = kept_options(text, {}).account.lines if text else ()
-        new = {line.student for line in account.lines if line.state != NOTHING}
+        new = {line.student for line in account.lines if line.state != Fate.NOTHING}
         away = {student for student, _ in kept} - new
         lines = [line for line in earlier if line.student in away]
         account = Account((*lines, *(each for each in account.lines if each.student not in away)))
-    return replace(found, said=tuple(said), kept=kept, account=account)
-
-
-def _is_moved(student: str, known: Known) -> bool:
-    """Return whether all that a student had handed in is assigned to others by now."""
-    words = known.words(student)
-    return bool(words) and all(student not in known.assigned.get(word, (student,))
-                               for word in words)  # fmt: skip
+    return replace(found, said=said, kept=kept, account=account)
 
 
 def _known_rows(

@@ -27,10 +27,11 @@ UNWRITTEN = "unwritten"  # and that not all results are: somebody is at it, was 
 
 @contextlib.contextmanager
 def locked(out: Path) -> Iterator[None]:
-    """Lock the folder against others who write; the lock ends with the process at the latest.
+    """Make and lock the folder against others who write; the lock ends with the process at last.
 
     Raises GraderError: somebody else has it.
     """
+    out.mkdir(parents=True, exist_ok=True)
     fd = os.open(out / ".lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
     try:
         fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -61,12 +62,6 @@ def opened(out: Path) -> Iterator[Store]:
         yield store
 
 
-def alike_of(store: Store) -> dict[str, Alike]:
-    """Return which submissions were nearly the same when all were compared the last time."""
-    text = store.kept(ALIKE)
-    return msgspec.json.decode(text, type=dict[str, Alike]) if text else {}
-
-
 def write_class(
     store: Store, out: Path, options: ResultOptions, before: Sequence[StoredResult] = ()
 ) -> tuple[list[StoredResult], Written]:
@@ -74,19 +69,18 @@ def write_class(
 
     Pages of students whose results are as `before`, when all were written, stay as they are.
     """
-    log = store.log.entries()
+    log = store.entries()
     counting = active(log)
     results, remarks = amended(store.results(), counting, options.students)
-    remarks = [f"{remark}." for remark in remarks]
     wanted = replace(
         options,
-        notes=[*options.notes, *remarks],
-        alike=alike_of(store),
+        notes=[*options.notes, *(f"{remark}." for remark in remarks)],
+        alike=msgspec.json.decode(store.kept(ALIKE) or "{}", type=dict[str, Alike]),
         log=log,
         published=published(counting, results, options.students),
     )
-    old = {} if store.kept(UNWRITTEN) else {(r.student, r.exercise): r for r in before}
-    new = {r.student for r in results if r != old.get((r.student, r.exercise))}
+    old = {} if store.kept(UNWRITTEN) else {result.key: result for result in before}
+    new = {result.student for result in results if result != old.get(result.key)}
     store.keep(UNWRITTEN, "yes")
     written = write_results(results, out, wanted, {student for student, _ in old} - new)
     store.keep(UNWRITTEN, "yes" if written.missing else "")

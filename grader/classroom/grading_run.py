@@ -7,15 +7,15 @@ import shutil
 import tarfile
 import tempfile
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from grader.classroom import engine
 from grader.classroom.canaries import Canaries, Verdict
 from grader.classroom.candidates import Candidate
-from grader.classroom.engine import WorkerDied
 from grader.classroom.options import Options
 from grader.classroom.progress import Progress
-from grader.classroom.row import STALLS, TWICE
+from grader.classroom.row import GRADED, HELD, STALLS, TWICE, StoredResult
 from grader.classroom.store import Key, Store
 from grader.classroom.work import Unit, UnitResult, stalled, unjudged
 from grader.errors import DiskFull, InputError, is_disk_full
@@ -23,33 +23,22 @@ from grader.link.scratch import has_space
 
 MAX_DEATHS = 3  # of a unit's workers; then it is left to a person
 MAX_UNSURE = 2  # gradings that could not judge
-MAX_IN_VAIN = 5  # second judgements in a row that stalled, too: then the machine is not fit for it
 RECORDINGS = "recordings"
 PARTS = ".part"  # below RECORDINGS: bags that are being written
 
 
+@dataclass
 class GradingRun:
     """One run over the queue of a class."""
 
-    def __init__(
-        self,
-        store: Store,
-        out: Path,
-        candidates: Mapping[Key, Candidate],
-        options: Options,
-        progress: Progress,
-    ) -> None:
-        self._store = store
-        self._out = out
-        self._candidates = candidates
-        self._options = options
-        self._progress = progress
-        self._running: set[Key] = set()
-        self._bag_folders = 0  # made so far
-        self._exercises = {key[1]: each.exercise for key, each in candidates.items()}
-        self._stalled: set[Key] = set()  # units that wait for a second judgement
-        self._in_vain = 0  # second judgements in a row that stalled, too
-        self._canaries: Canaries
+    store: Store
+    out: Path
+    candidates: Mapping[Key, Candidate]
+    options: Options
+    progress: Progress
+    _running: set[Key] = field(default_factory=set)
+    _bag_folders: int = 0  # made so far
+    _canaries: Canaries = field(init=False)
 
     def run(self) -> list[str]:
         """Grade what waits; return what the report should say of this run.
@@ -57,27 +46,26 @@ class GradingRun:
         Raises InputError: code would run without isolation.
         """
         waiting = self._waiting()
-        there = sum(not each.absent for each in self._candidates.values())
-        self._progress.begin(len(waiting), there - len(waiting))
-        unverified = any(self._store.unverified(slug) for slug in self._exercises)
-        if not waiting and not (self._options.canaries and unverified):
+        there = sum(not each.absent for each in self.candidates.values())
+        self.progress.begin(len(waiting), there - len(waiting))
+        exercises = {key[1]: each.exercise for key, each in self.candidates.items()}
+        unverified = any(map(self.store.unverified, exercises))
+        if not waiting and not (self.options.canaries and unverified):
             return []
-        self._canaries = Canaries(self._store, self._exercises, self._options)
-        with engine.open_workers(self._options.workers, self._options.dask) as workers:
-            if not self._options.trust and (problem := engine.refusal(workers)):
+        self._canaries = Canaries(self.store, exercises, self.options)
+        with engine.open_workers(self.options.workers, self.options.dask) as workers:
+            if not self.options.trust and (problem := engine.refusal(workers)):
                 raise InputError(problem)
             engine.run(workers, self._next, self._done)
         return self._canaries.notes()
 
     def _waiting(self) -> list[Key]:
-        """Return what is queued and does not run."""
-        known = (key for key in self._store.waiting() if key in self._candidates)
+        known = (key for key in self.store.waiting() if key in self.candidates)
         return [key for key in known if key not in self._running]
 
     def _hold(self, key: Key, problem: str) -> None:
-        """Leave a unit to a person."""
-        self._store.hold(key, problem)
-        self._progress.done(*key, f"held: {problem}")
+        self.store.hold(key, problem)
+        self.progress.done(*key, f"held: {problem}")
 
     # --- what runs next --------------------------------------------------------------------------
 
@@ -93,13 +81,9 @@ class GradingRun:
         for key in waiting:
             if not self._canaries.allows(key[1]):
                 continue
-            if self._in_vain >= MAX_IN_VAIN and key in self._stalled:
-                self._hold(key, f"{STALLS}; not judged again, since {MAX_IN_VAIN} others stalled "
-                               "even with nothing beside them")  # fmt: skip
+            if self.candidates[key].leader and self._left_to_leader(key):
                 continue
-            if self._candidates[key].leader and self._left_to_leader(key):
-                continue
-            counts = self._store.counts(key)
+            counts = self.store.counts(key)
             alone = counts.deaths >= MAX_DEATHS - 1 or counts.unsure > 0
             if alone and busy:
                 return None
@@ -110,33 +94,33 @@ class GradingRun:
 
     def _left_to_leader(self, key: Key) -> bool:
         """Return whether a member of a group gets, or has got, what its leader gets."""
-        candidate, leader = self._candidates[key], (self._candidates[key].leader, key[1])
+        candidate, leader = self.candidates[key], (self.candidates[key].leader, key[1])
         files, _ = candidate.read()
-        if self._store.share(leader, key, candidate.input_hash(files, self._options)):
-            self._progress.done(*key, f"as {leader[0]}, with whom they handed in")
+        if self.store.share(leader, key, candidate.input_hash(files, self.options)):
+            self.progress.done(*key, f"as {leader[0]}, with whom they handed in")
             return True
-        return leader in self._running or leader in self._store.waiting()
+        return leader in self._running or leader in self.store.waiting()
 
     def _unit(self, key: Key, *, alone: bool = False) -> Unit | None:
-        candidate = self._candidates[key]
+        candidate = self.candidates[key]
         files, problem = candidate.read()
         if problem:
             self._hold(key, problem)
             return None
         bag_folder = ""
-        if self._options.bags and not self._options.dask:
+        if self.options.bags and not self.options.dask:
             bag_folder = str(self._new_bag_folder().resolve())
         self._running.add(key)
-        self._store.claim(key, candidate.input_hash(files, self._options), candidate.found.files)
+        self.store.claim(key, candidate.input_hash(files, self.options), candidate.found.files)
         return Unit(
-            *key, files, seed=candidate.seed, field=self._options.field,
-            tier=self._options.tier, bags=self._options.bags, bag_folder=bag_folder,
-            trust=self._options.trust, alone=alone,
+            *key, files, seed=candidate.seed, field=self.options.field,
+            bags=self.options.bags, bag_folder=bag_folder,
+            trust=self.options.trust, alone=alone,
         )  # fmt: skip
 
-    def _done(self, unit: Unit, result: UnitResult | WorkerDied) -> None:
+    def _done(self, unit: Unit, result: UnitResult) -> None:
         if unit.canary:
-            if isinstance(result, UnitResult) and result.disk_full:
+            if result.disk_full:
                 self._stop_if_disk_full(unit)
             self._follow(self._canaries.done(unit, result, self._waiting()))
             return
@@ -150,36 +134,40 @@ class GradingRun:
             self._hold(unit.key, f"the result could not be stored ({why})")
 
     def _follow(self, verdict: Verdict) -> None:
-        """Do what follows from a round of canaries."""
         if verdict.note:
-            self._store.note(verdict.note)
-            self._progress.say(verdict.note)
-        self._store.quarantine(verdict.again)
+            self.store.note(verdict.note)
+            self.progress.say(verdict.note)
+        self.store.quarantine(verdict.again)
         for key in dict.fromkeys(verdict.held):
             self._hold(key, verdict.why)
 
-    def _submission_done(self, unit: Unit, result: UnitResult | WorkerDied) -> None:
-        if isinstance(result, WorkerDied):
-            self._died(unit, result)
+    def _submission_done(self, unit: Unit, result: UnitResult) -> None:
+        if result.died:
+            self._died(unit, result.problem)
             return
         if result.disk_full:
             self._stop_if_disk_full(unit)
         problem = result.problem if result.grading is None else unjudged(result.grading)
         if stalled(result.grading):
             problem = f"{STALLS}; {problem}"
-            self._in_vain += unit.alone
         elif problem:
             self._canaries.doubt(unit.exercise)  # was it the submission, or the grader?
-        elif unit.alone:
-            self._in_vain = 0
-        again = bool(problem) and self._store.counts(unit.key).unsure + 1 < MAX_UNSURE
+        again = bool(problem) and self.store.counts(unit.key).unsure + 1 < MAX_UNSURE
         if problem and not again:
             problem = f"{problem}; {TWICE}"
-        self._finish(unit, result, problem, again=again)
+        bags = self._store_bags(unit, result)  # also of one that is judged again: it may never be
+        self.store.finish(
+            unit.key, result.grading, problem=problem, again=again, recordings=bags,
+            wall_s=result.wall_s,
+        )  # fmt: skip
         if again:
-            self._stalled |= {unit.key} if stalled(result.grading) else set()
-            self._tell(unit, f"will retry, alone, at the end: {problem}", over=False)
-        elif why := self._canaries.graded(unit.key):
+            said = f"will retry, alone, at the end: {problem}"
+            self.progress.done(*unit.key, said, over=False)
+            return
+        grading = result.grading or {}
+        said = f"held: {problem}" if problem else f"{grading['score']}/{grading['max_score']}"
+        self.progress.done(*unit.key, said)
+        if why := self._canaries.graded(unit.key):
             self._hold(unit.key, why)
 
     def _stop_if_disk_full(self, unit: Unit) -> None:
@@ -187,44 +175,29 @@ class GradingRun:
 
         Raises DiskFull: the disk is full with the unit over: the next one would end as it did.
         """
-        if not self._options.dask and not has_space(self._out, Path(tempfile.gettempdir())):
+        if not self.options.dask and not has_space(self.out, Path(tempfile.gettempdir())):
             if not unit.canary:
-                self._store.requeue(unit.key)
+                self.store.requeue(unit.key)
             raise DiskFull("no space is left")
 
-    def _finish(self, unit: Unit, result: UnitResult, problem: str, *, again: bool) -> None:
-        """Store a result; one that is judged again, too, for that may never come."""
-        self._store.finish(
-            unit.key,
-            result.grading,
-            problem=problem,
-            again=again,
-            recordings=self._store_bags(unit, result),
-            wall_s=result.wall_s,
-        )
-        if problem and not again:
-            self._tell(unit, f"held: {problem}")
-        elif not problem and result.grading is not None:
-            self._tell(unit, f"{result.grading['score']}/{result.grading['max_score']}")
-
-    def _died(self, unit: Unit, why: WorkerDied) -> None:
-        counts = self._store.requeue(unit.key, death=True)
+    def _died(self, unit: Unit, why: str) -> None:
+        counts = self.store.requeue(unit.key, death=True)
         if counts.deaths < MAX_DEATHS:
-            self._tell(unit, f"will retry: {why}", over=False)
+            self.progress.done(*unit.key, f"will retry: {why}", over=False)
             return
         self._hold(unit.key, f"{why}, {counts.deaths} times, at last with no other unit running")
 
     def _store_bags(self, unit: Unit, result: UnitResult) -> str | None:
         """Move the recordings to their place, which comes before the result is stored."""
         sent = unit.bag_folder or result.bags
-        if not self._options.bags or result.grading is None or not sent:
+        if not self.options.bags or result.grading is None or not sent:
             return None
-        place = self._out / RECORDINGS / unit.student / unit.exercise
+        place = self.out / RECORDINGS / unit.student / unit.exercise
         part = Path(unit.bag_folder) if unit.bag_folder else self._unpacked(result.bags)
         shutil.rmtree(place, ignore_errors=True)
         place.parent.mkdir(parents=True, exist_ok=True)
         part.rename(place)
-        return str(place.relative_to(self._out))
+        return str(place.relative_to(self.out))
 
     def _unpacked(self, bags: bytes) -> Path:
         folder = self._new_bag_folder()
@@ -234,9 +207,45 @@ class GradingRun:
 
     def _new_bag_folder(self) -> Path:
         self._bag_folders += 1
-        folder = self._out / RECORDINGS / PARTS / str(self._bag_folders)
+        folder = self.out / RECORDINGS / PARTS / str(self._bag_folders)
         folder.mkdir(parents=True)
         return folder
 
-    def _tell(self, unit: Unit, outcome: str, *, over: bool = True) -> None:
-        self._progress.done(unit.student, unit.exercise, outcome, over=over)
+    # --- the same recordings, other checks -------------------------------------------------------
+
+    def judge_again(self) -> None:
+        """Judge stored recordings again, by the checks as they are now; no student's code runs."""
+        old = {
+            one.key: one
+            for one in self.store.results()
+            if one.state in (GRADED, HELD) and one.recordings is not None
+        }  # fmt: skip  (others are for an ordinary run)
+        units = [_saved(one, self.out) for key, one in old.items() if key in self.candidates]
+        units = [unit for unit in units if Path(unit.saved).is_dir()]
+
+        def done(unit: Unit, result: UnitResult) -> None:
+            if result.grading is None:
+                self.progress.done(*unit.key, f"as it was: {result.problem}")
+                return
+            before, candidate = old[unit.key].grading or {}, self.candidates[unit.key]
+            input_hash = candidate.input_hash(candidate.read()[0], self.options)
+            grading = {**result.grading, "isolation": before.get("isolation", "")}
+            self.store.regraded(unit.key, grading, unjudged(grading), input_hash)
+            score = f"{grading['score']}/{grading['max_score']}"
+            self.progress.done(*unit.key, f"{score}, was {before.get('score', '-')}")
+
+        self.progress.begin(len(units))
+        left = iter(units)
+        with engine.open_workers(self.options.workers) as workers:  # the bags are on this machine
+            engine.run(workers, lambda _busy: next(left, None), done)
+
+
+def _saved(result: StoredResult, out: Path) -> Unit:
+    old = result.grading or {}
+    return Unit(
+        result.student,
+        result.exercise,
+        {},
+        field=any(check["kind"] == "field" for check in old.get("checks", ())),
+        saved=str(out / (result.recordings or "")),
+    )

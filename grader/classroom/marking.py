@@ -18,14 +18,12 @@ import msgspec
 from grader.classroom.amendments.apply import amended, version_of
 from grader.classroom.amendments.change import Accept, Assign, Change, Undo, Whom
 from grader.classroom.amendments.log import Entry, active, undone_by
-from grader.classroom.amendments.people import find_student, nearest, the_student
+from grader.classroom.amendments.people import nearest, the_student
 from grader.classroom.folder import UNWRITTEN, locked, opened, write_class
-from grader.classroom.intake.whose import Known
-from grader.classroom.marks import checks_of, points_of, state_of, tasks_of
+from grader.classroom.marks import checks_of, points_of, state_of, task_of, tasks_of
 from grader.classroom.results.options import OPTIONS, ResultOptions, kept_options
 from grader.classroom.row import StoredResult, as_graded
 from grader.classroom.store import Store
-from grader.course.exercises import find_exercise
 from grader.errors import InputError, naming_a_full_disk
 from grader.lms.book import StudentRow, Task
 
@@ -42,9 +40,9 @@ class Marked:
 
     entry: Entry | None  # of the log
     shifts: list[str]  # a line for each student whose points change
+    lower: int  # students who lose points
     remarks: list[str]  # what a person should know
     missing: list[str]  # parts of the results that could not be written
-    lower: int = 0  # students who lose points
 
 
 @contextlib.contextmanager
@@ -70,7 +68,10 @@ def reading(out: Path) -> Iterator[Marking]:
 
 
 class Marking:
-    """A graded class whose marks may be changed."""
+    """A graded class whose marks may be changed.
+
+    Where nobody and nothing is called as a person says, InputError names the nearest.
+    """
 
     def __init__(self, store: Store, out: Path) -> None:
         self.store = store
@@ -80,22 +81,23 @@ class Marking:
     @cached_property
     def results(self) -> list[StoredResult]:
         """All results, as they were graded."""
-        return [each for each in self.store.results() if not each.canary]
+        return self.store.results()
 
     @property
     def rows(self) -> Mapping[str, StudentRow]:
-        """What is known of the students."""
         return self.options.students
 
     @cached_property
     def students(self) -> list[str]:
-        """Everybody in the class."""
         return sorted({result.student for result in self.results})
 
     @property
+    def sections(self) -> list[str]:
+        return sorted({row.person.section for row in self.rows.values()} - {""})
+
+    @property
     def entries(self) -> list[Entry]:
-        """The log."""
-        return self.store.log.entries()
+        return self.store.entries()
 
     def revision(self, students: Sequence[str] = ()) -> str:
         """Return what tells these students' marks, or everybody's, from later ones.
@@ -119,7 +121,6 @@ class Marking:
     # --- what is told ----------------------------------------------------------------------------
 
     def summary(self) -> str:
-        """Return the class in a line."""
         states = Counter(state_of(result) for result in self.results)
         counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
         text = f"{len(self.students)} students; as graded: {counts}"
@@ -127,25 +128,15 @@ class Marking:
 
     @property
     def unfinished(self) -> bool:
-        """Whether not all results are written: somebody is at it, was killed, or failed."""
         return bool(self.store.kept(UNWRITTEN))
 
     def student(self, word: str) -> str:
-        """Return the student whom a word means.
-
-        Raises InputError: nobody or more than one can be meant.
-        """
         return the_student(word, self.students, self.rows)
 
     def points(self, student: str) -> list[tuple[StoredResult, str, str]]:
         """Return a student's results with the points as graded and as they count."""
-        tasks = {task.slug: task for task in tasks_of(self.results)}
-        return [
-            (each, _shown(as_graded(each), tasks[each.exercise]),
-             _shown(each, tasks[each.exercise]))
-            for each in self.counting()
-            if each.student == student
-        ]  # fmt: skip
+        mine = [each for each in self.counting() if each.student == student]
+        return [(each, _shown(as_graded(each)), _shown(each)) for each in mine]
 
     # --- what is meant ---------------------------------------------------------------------------
 
@@ -166,26 +157,18 @@ class Marking:
         raise nearest(name, slugs, "exercise of this class")
 
     def any_exercise(self, name: str) -> Task:
-        """Return an exercise of the course, which nobody need have handed in yet.
-
-        Raises InputError: there is none.
-        """
-        each = find_exercise(name)
-        return Task(each.slug, each.number, each.title, float(each.max_points))
+        """Return an exercise of the course, which nobody need have handed in yet."""
+        return task_of(name)
 
     def whom(
         self, words: Sequence[str], section: str, *, everybody: bool, task: Task | None = None
     ) -> Whom:
-        """Return whom a change is about; of students with the submission that it is made for.
-
-        Raises InputError: nobody was named, or nobody is called so.
-        """
+        """Return whom a change is about; of students with the submission that it is made for."""
         if bool(words) + bool(section) + everybody != 1:
             raise InputError("expected whom it is about: --student ID, --section NAME or --all")
         if section:
-            sections = {row.person.section for row in self.rows.values() if row.person.section}
-            if section not in sections:
-                raise nearest(section, sections, "section")
+            if section not in self.sections:
+                raise nearest(section, self.sections, "section")
             return Whom(section=section)
         found = [the_student(word, self.students, self.rows) for word in words]
         mine = [r for r in self.results if task is not None and r.exercise == task.slug]
@@ -193,10 +176,7 @@ class Marking:
         return Whom(tuple(dict.fromkeys(found)), versions={k: v for k, v in versions.items() if v})
 
     def check(self, task: Task, name: str, whom: Whom) -> float:
-        """Return the points that a check can give.
-
-        Raises InputError: there is no such check, or a student who is named has no grading.
-        """
+        """Return the points that a check can give."""
         mine = [r for r in self.results if r.exercise == task.slug]
         found = {str(check.get("id")): check for one in mine for check in checks_of(one)}
         if name not in found:
@@ -212,36 +192,26 @@ class Marking:
     # --- what is done ----------------------------------------------------------------------------
 
     def add(self, change: Change, who: str, why: str) -> Marked:
-        """Log a change, and write all results as they count now.
-
-        Raises InputError: there is no reason.
-        """
-        log = self.store.log
-        entries = log.entries()
-        if isinstance(change, Undo):
-            _check_undo(change, entries)
+        """Log a change, and write all results as they count now."""
+        entries = self.entries
+        _check_undo(change, entries)
         before, known = self._amended(entries)
-        entry = log.append(change, who, why)
+        entry = self.store.log(change, who, why)
         after, missing = self._written(before)
-        remarks = [each for each in self._amended(log.entries())[1] if each not in known]
-        return Marked(entry, self._shifts(before, after), remarks, missing, _fewer(before, after))
+        remarks = [each for each in self._amended(self.entries)[1] if each not in known]
+        return Marked(entry, *_shifts(before, after), remarks, missing)
 
     def preview(self, change: Change) -> Marked:
         """Return what a change would come to; nothing is written."""
-        entries = self.store.log.entries()
-        if isinstance(change, Undo):
-            _check_undo(change, entries)
+        entries = self.entries
+        _check_undo(change, entries)
         before, known = self._amended(entries)
         number = max((entry.number for entry in entries), default=0) + 1
         after, remarks = self._amended([*entries, Entry(number, "", "", change, "")])
-        new = [each for each in remarks if each not in known]
-        return Marked(None, self._shifts(before, after), new, [], _fewer(before, after))
+        return Marked(None, *_shifts(before, after), [r for r in remarks if r not in known], [])
 
     def assigned(self, word: str, people: Sequence[str]) -> Assign:
-        """Return the change by which an entry of a download is these students'.
-
-        Raises InputError: there is no such entry, or nobody is called so.
-        """
+        """Return the change by which an entry of a download is these students'."""
         every = sorted({*self.students, *self.rows})
         whom = tuple(dict.fromkeys(the_student(each, every, self.rows) for each in people))
         lines = [each for each in self.options.account.lines if each.entry and word in
@@ -260,57 +230,50 @@ class Marking:
             )
         if mine is None or mine.person.name:  # a name in the download
             return Assign((word,), "", Whom(whom))
-        return Assign(tuple(sorted(Known(self.rows).words(was))), was, Whom(whom))
+        return Assign(mine.seen, was, Whom(whom))
 
     def accepted(self, student: str, file: str, task: Task) -> Accept:
-        """Return the change by which a file counts as an exercise's.
-
-        Raises InputError: the student has handed in no such file.
-        """
+        """Return the change by which a file counts as an exercise's."""
         files = {each.file for each in self.options.account.lines if each.student == student}
         if file not in files:
             raise nearest(file, files - {""}, f"file of {student}")
         return Accept(task.slug, file, Whom((student,)))
 
     def write(self) -> Marked:
-        """Write all results anew."""
-        return Marked(None, [], [], self._written()[1])
+        return Marked(None, [], 0, [], self._written()[1])
 
     def counting(self) -> list[StoredResult]:
         """Return the results as they count now."""
-        return self._amended(self.store.log.entries())[0]
+        return self._amended(self.entries)[0]
 
     def _amended(self, entries: Sequence[Entry]) -> tuple[list[StoredResult], list[str]]:
         return amended(self.results, active(entries), self.rows)
 
     def _written(self, before: Sequence[StoredResult] = ()) -> tuple[list[StoredResult], list[str]]:
         results, written = write_class(self.store, self.out, self.options, before)
-        return [result for result in results if not result.canary], written.missing
-
-    def _shifts(self, before: Sequence[StoredResult], after: Sequence[StoredResult]) -> list[str]:
-        tasks = {task.slug: task for task in tasks_of(after)}
-        pairs = zip(before, after, strict=False)
-        words = [(_shown(a, tasks[a.exercise]), b, _shown(b, tasks[b.exercise])) for a, b in pairs]
-        return [
-            f"{one.student}  {one.exercise}  {was} \N{RIGHTWARDS ARROW} {now}"
-            for was, one, now in words
-            if was != now
-        ]
+        return results, written.missing
 
 
-def _fewer(before: Sequence[StoredResult], after: Sequence[StoredResult]) -> int:
-    """Return how many have fewer points than before."""
-    tasks = {task.slug: task for task in tasks_of(after)}
-    points = [[points_of(each, tasks[each.exercise]) for each in side] for side in (before, after)]
-    return sum(a is not None and (b is None or b < a) for a, b in zip(*points, strict=False))
+def _shifts(before: Sequence[StoredResult], after: Sequence[StoredResult]) -> tuple[list[str], int]:
+    """Return a line for each whose points change, and how many lose some."""
+    lines, lower = [], 0
+    for old, new in zip(before, after, strict=False):
+        was, now = _shown(old), _shown(new)
+        if was != now:
+            lines.append(f"{new.student}  {new.exercise}  {was} \N{RIGHTWARDS ARROW} {now}")
+        had, has = points_of(old), points_of(new)
+        lower += had is not None and (has is None or has < had)
+    return lines, lower
 
 
-def _shown(result: StoredResult, task: Task) -> str:
-    points = points_of(result, task)
+def _shown(result: StoredResult) -> str:
+    points = points_of(result)
     return state_of(result) if points is None else f"{points:g}"
 
 
-def _check_undo(change: Undo, entries: Sequence[Entry]) -> None:
+def _check_undo(change: Change, entries: Sequence[Entry]) -> None:
+    if not isinstance(change, Undo):
+        return
     numbers = [entry.number for entry in entries]
     if change.number not in numbers:
         there = f"1 to {numbers[-1]}" if numbers else "none yet"
@@ -324,9 +287,5 @@ def _check_undo(change: Undo, entries: Sequence[Entry]) -> None:
 
 
 def is_about(entry: Entry, student: str, rows: Mapping[str, StudentRow]) -> bool:
-    """Return whether an entry is about a student."""
     change = entry.change
-    if isinstance(change, Undo):
-        return True
-    named = (find_student(word, [student], rows) for word in change.whom.students)
-    return change.whom.includes(student, rows) or any(named)
+    return isinstance(change, Undo) or change.whom.includes(student, rows)

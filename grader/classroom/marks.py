@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -19,14 +20,20 @@ TO_HOLD = ("error", "inconclusive")
 PROVISIONAL = "provisional"
 
 
-def tasks_of(results: Iterable[StoredResult]) -> list[Task]:
-    """Return the exercises of the results, in the order of the lesson.
+@functools.cache
+def task_of(name: str) -> Task:
+    """Return an exercise, by name or number.
 
-    Raises InputError: one no longer exists.
+    Raises InputError: it does not exist.
     """
-    exercises = map(find_exercise, {result.exercise for result in results})
-    tasks = [Task(each.slug, each.number, each.title, float(each.max_points)) for each in exercises]
-    return sorted(tasks, key=lambda task: task.number)
+    each = find_exercise(name)
+    return Task(each.slug, each.number, each.title, float(each.max_points))
+
+
+def tasks_of(results: Iterable[StoredResult]) -> list[Task]:
+    """Return the exercises of the results, in the order of the lesson."""
+    every = map(task_of, {result.exercise for result in results})
+    return sorted(every, key=lambda task: task.number)
 
 
 def as_shown(result: StoredResult, hidden: Collection[str]) -> StoredResult:
@@ -57,7 +64,6 @@ def is_held(result: StoredResult) -> bool:
 
 
 def is_graded(result: StoredResult) -> bool:
-    """Return whether there is a score that counts."""
     return result.state == GRADED and not is_held(result)
 
 
@@ -85,7 +91,7 @@ def state_of(result: StoredResult) -> str:
     return PROVISIONAL if is_provisional(result) else result.state
 
 
-def points_of(result: StoredResult, task: Task) -> float | None:
+def points_of(result: StoredResult) -> float | None:
     """Return the points in the gradebook; None if there is no score yet.
 
     Checks that require a library missing on the grading machine don't count: what was judged is
@@ -99,7 +105,7 @@ def points_of(result: StoredResult, task: Task) -> float | None:
     score, most = float(result.grading["score"]), float(result.grading["max_score"])
     if most <= 0:
         return None
-    return round(min(1.0, max(0.0, score / most)) * task.points, 2)
+    return round(min(1.0, max(0.0, score / most)) * task_of(result.exercise).points, 2)
 
 
 def judged_ones(results: Iterable[StoredResult]) -> list[StoredResult]:

@@ -26,7 +26,6 @@ class Options:
     dask: str = ""  # a scheduler's address or file, instead of local workers
     secret: bytes | None = None  # with it every student gets different worlds
     field: bool = False
-    tier: int = 1
     bags: bool = True
     trust: bool = False
     canaries: int = CANARY_INTERVAL  # 0: none

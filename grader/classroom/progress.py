@@ -1,13 +1,8 @@
-"""Show how far a batch is: a bar with the time left on a terminal, a line per unit elsewhere."""
+"""Show how far a batch is: a line per unit, and now and then how long the rest will take."""
 
 from __future__ import annotations
 
 import time
-from types import TracebackType
-
-from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-from rich.progress import Progress as Bar
 
 from grader.report.terminal import Console, printable
 
@@ -29,31 +24,12 @@ class Progress:
         self._before = 0  # units that an earlier run has graded
         self._begun = 0.0  # [s]
         self._over: set[tuple[str, str]] = set()  # each unit counts once
-        self._bar = Bar(
-            BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
-            TextColumn("{task.description}"), console=console, transient=True,
-            disable=not console.is_terminal,
-        )  # fmt: skip
-        self._task = self._bar.add_task("", total=None)
-
-    def __enter__(self) -> Progress:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self._bar.stop()
 
     def begin(self, total: int, before: int = 0) -> None:
-        """Show the bar: `total` units are to be graded, and `before` are, by an earlier run."""
+        """Begin: `total` units are to be graded, and `before` are, by an earlier run."""
         self._total, self._before, self._begun = total, before, time.monotonic()
         if total and before:
             self.say(f"{before} are done or held, {total} are to be graded")
-        if total:
-            self._bar.start()
 
     def done(self, student: str, exercise: str, outcome: str, *, over: bool = True) -> None:
         """Print a line for a unit that has come back; unless it is `over`, it will run again.
@@ -67,21 +43,15 @@ class Progress:
         done, total = self._before + len(self._over), self._before + self._total
         line = f"{done:4}/{total}  {shown}  {exercise}  {outcome}{self._left()}"
         self.say(" ".join(line.split("\n")))
-        self._bar.update(
-            self._task,
-            completed=len(self._over),
-            total=self._total,
-            description=escape(exercise),
-        )
 
     def _left(self) -> str:
-        """Say, now and then, how long the rest will take at this pace; a terminal has the bar."""
+        """Say, now and then, how long the rest will take at this pace."""
         done, left = len(self._over), self._total - len(self._over)
-        if self._console.is_terminal or not left or done % EVERY:
+        if not left or done % EVERY:
             return ""
         minutes = (time.monotonic() - self._begun) / max(done, 1) * left / 60
         return f"  (about {max(1, round(minutes))} min left)"
 
     def say(self, text: str) -> None:
-        """Print a line above the bar."""
+        """Print a line."""
         say(self._console, text)

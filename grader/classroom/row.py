@@ -12,8 +12,6 @@ GRADED: Final = "graded"
 HELD: Final = "held"  # a person has to look before it counts
 ABSENT: Final = "not handed in"  # no fault of anybody's, and nobody has to look
 
-STATES = (WAITING, RUNNING, GRADED, HELD, ABSENT)
-
 # Parts of a `problem`
 UNJUDGED: Final = "could not judge"
 STALLS: Final = "the machine stalled"
@@ -28,16 +26,20 @@ class StoredResult:
     exercise: str  # slug
     file_names: tuple[str, ...]  # the files that were graded, as the exercise names them
     input_hash: str  # SHA-256 of all that the grading depends on
-    state: str  # one of STATES
+    state: str  # one of these
     grading: dict[str, Any] | None  # `Grading.as_dict()`; None while there is none
     recordings: Path | None  # a folder of bags
     wall_s: float  # [s]
     attempts: int
     problem: str  # why it is held or could not be graded; "" if neither
     finished: str  # UTC, ISO 8601; "" while unfinished
-    canary: bool  # a known solution, graded to check the grader
     verified: bool = True  # the known solutions came out right after it, if there are any
     amended: Amended | None = None  # what a person has changed; never stored
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """What the store calls it."""
+        return self.student, self.exercise
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import contextlib
 import hashlib
 import json
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -18,14 +18,13 @@ from typing import Any
 
 import msgspec
 
-from grader.classroom.amendments import log
-from grader.classroom.amendments.log import storable
+from grader.classroom.amendments.change import Change
+from grader.classroom.amendments.log import Entry
 from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, WAITING, StoredResult
 from grader.errors import InputError, is_disk_full
 from grader.lms.book import StudentRow
 
 SCHEMA = 5
-READABLE = (0, 4, SCHEMA)  # 0: an empty file; 4: its rows say less of how students were called
 TABLES = """
 CREATE TABLE IF NOT EXISTS units (
     student TEXT NOT NULL, exercise TEXT NOT NULL, canary INTEGER NOT NULL DEFAULT 0,
@@ -44,7 +43,12 @@ CREATE TABLE IF NOT EXISTS texts (
     PRIMARY KEY (student, exercise, name)
 ) STRICT;
 CREATE TABLE IF NOT EXISTS kept (name TEXT PRIMARY KEY, text TEXT NOT NULL) STRICT;
+CREATE TABLE IF NOT EXISTS amendments (
+    number INTEGER PRIMARY KEY AUTOINCREMENT, at TEXT NOT NULL, who TEXT NOT NULL,
+    what TEXT NOT NULL, why TEXT NOT NULL
+) STRICT;
 """
+MOST_WHY = 2000  # [characters] of a reason
 
 SHARED = (
     "file_names", "state", "verified", "grading", "recordings", "wall_s", "finished", "problem",
@@ -70,18 +74,17 @@ class Store:
 
     def __init__(self, path: Path) -> None:
         self._db = sqlite3.connect(path, isolation_level=None)
-        self.log = log.Log(self._db, self._change)  # of what people change
         try:
             self._db.execute("PRAGMA journal_mode=WAL")
             self._db.execute("PRAGMA synchronous=FULL")
             version = self._db.execute("PRAGMA user_version").fetchone()[0]
-            if version not in READABLE:
+            if version not in (0, SCHEMA):  # 0: an empty file
                 raise InputError(
                     f"{path}: a store of schema {version}, expected {SCHEMA}; use the version of "
                     "the course that made it, or give another --out"
                 )
             with self._change():
-                for statement in (*filter(str.strip, TABLES.split(";")), log.TABLE):
+                for statement in filter(str.strip, TABLES.split(";")):
                     self._db.execute(statement)
                 self._db.execute(f"PRAGMA user_version={SCHEMA}")
         except sqlite3.DatabaseError as error:
@@ -105,11 +108,9 @@ class Store:
         absent: bool = False,
         compared: int | None = None,
     ) -> None:
-        """Queue a unit unless it is stored unchanged; one with a problem is held.
+        """Queue a unit unless it is stored unchanged; with a problem it is held, unless absent.
 
-        What is `absent` was not handed in: it is neither queued nor held.
-
-        Only the first `compared` characters of the hash count; all by default.
+        Of the hash the first `compared` characters count; all, where none are said.
         """
         with self._change():
             old = self._db.execute(
@@ -125,14 +126,12 @@ class Store:
                 verified=bool(problem) or absent, finished=_now() if problem else "",
             )  # fmt: skip
 
-    def keep_only(self, keys: Iterable[Key], exercises: Iterable[str]) -> int:
-        """Forget units of these exercises whose students are gone; return how many."""
-        kept, looked_at = set(keys), set(exercises)
-        gone = [key for key in self._keys("canary=0") if key[1] in looked_at and key not in kept]
+    def keep_only(self, keys: Collection[Key], exercises: Collection[str]) -> None:
+        """Forget units of these exercises whose students are gone."""
+        gone = [key for key in self._keys("canary=0") if key[1] in exercises and key not in keys]
         with self._change():
             for table in ("units", "texts"):
                 self._db.executemany(f"DELETE FROM {table} WHERE student=? AND exercise=?", gone)
-        return len(gone)
 
     def requeue_running(self) -> None:
         """Put what is marked as running back into the queue: whoever ran it is gone."""
@@ -164,7 +163,6 @@ class Store:
         )  # fmt: skip
 
     def claim(self, key: Key, input_hash: str, file_names: Iterable[str]) -> None:
-        """Mark a unit as running."""
         with self._change():
             self._db.execute(
                 "UPDATE units SET state=?, attempts=attempts+1, finished='', input_hash=?,"
@@ -265,12 +263,10 @@ class Store:
         self.keep(STUDENTS, json.dumps(msgspec.to_builtins(list(every.values()))))
 
     def students(self) -> dict[str, StudentRow]:
-        """Return what is known of the students."""
         rows = msgspec.convert(json.loads(self.kept(STUDENTS) or "[]"), list[StudentRow])
         return {row.student: row for row in rows}
 
     def notes(self) -> list[str]:
-        """Return the remarks."""
         return list(json.loads(self.kept(NOTES) or "[]"))
 
     def waiting(self) -> list[Key]:
@@ -290,24 +286,52 @@ class Store:
         return Counts(*row) if row else Counts(0, 0, 0)
 
     def results(self) -> list[StoredResult]:
-        """Return all units, in order."""
+        """Return the students' units, in order; known solutions are none of theirs."""
         rows = self._db.execute(
             "SELECT student, exercise, file_names, input_hash, state, grading, recordings,"
-            " wall_s, attempts, problem, finished, canary, verified OR NOT EXISTS"
+            " wall_s, attempts, problem, finished, verified OR NOT EXISTS"
             " (SELECT 1 FROM units AS known WHERE known.canary AND known.exercise=units.exercise)"
-            " FROM units ORDER BY student, exercise"
+            " FROM units WHERE NOT canary ORDER BY student, exercise"
         )
         return [
             StoredResult(
-                student=row[0], exercise=row[1], file_names=tuple(json.loads(row[2])),
-                input_hash=row[3], state=row[4],
-                grading=None if row[5] is None else json.loads(row[5]),
-                recordings=None if row[6] is None else Path(row[6]),
-                wall_s=row[7], attempts=row[8], problem=row[9],
-                finished=row[10], canary=bool(row[11]), verified=bool(row[12]),
+                student, exercise, tuple(json.loads(names)), input_hash, state,
+                grading and json.loads(grading), recordings and Path(recordings), wall_s,
+                attempts, problem, finished, bool(verified),
             )
-            for row in rows
+            for student, exercise, names, input_hash, state, grading, recordings, wall_s,
+            attempts, problem, finished, verified in rows
         ]  # fmt: skip
+
+    def log(self, change: Change, who: str, why: str) -> Entry:
+        """Add an entry to the log of marks; it is on disk when this returns.
+
+        Raises InputError: there is no reason, or it is too long.
+        """
+        why, who = " ".join(storable(why).split()), " ".join(storable(who).split())
+        if not why or len(why) > MOST_WHY:
+            raise InputError(
+                f"--why: expected the reason, at most {MOST_WHY} characters; it stays in the log"
+            )
+        text, at = storable(msgspec.json.encode(change).decode()), _now()
+        with self._change():
+            number = self._db.execute(
+                "INSERT INTO amendments (at, who, what, why) VALUES (?, ?, ?, ?)",
+                (at, who, text, why),
+            ).lastrowid
+        return Entry(number or 0, at, who, change, why)
+
+    def entries(self) -> list[Entry]:
+        """Return the log of marks, the oldest entry first; nothing removes or changes one.
+
+        Raises InputError: one can't be read.
+        """
+        rows = self._db.execute("SELECT number, at, who, what, why FROM amendments ORDER BY number")
+        decoder = msgspec.json.Decoder[Change](Change)
+        try:
+            return [Entry(n, at, who, decoder.decode(what), why) for n, at, who, what, why in rows]
+        except msgspec.MsgspecError as error:
+            raise InputError(f"the log of marks can't be read ({error})") from None
 
     def stamp(self) -> str:
         """Return what tells the stored results from later ones, without reading them."""
@@ -326,7 +350,6 @@ class Store:
         )
 
     def _set(self, keys: Iterable[Key], **columns: str | float | None) -> None:
-        """Set these columns of these units."""
         names = ", ".join(f"{name}=?" for name in columns)
         with self._change():
             self._db.executemany(
@@ -354,3 +377,8 @@ class Store:
 
 def _now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def storable(words: str) -> str:
+    """Return text that can be stored: names of files need not be UTF-8, and SQLite's text is."""
+    return words.encode("utf-8", "replace").decode("utf-8")

@@ -40,7 +40,6 @@ class Unit:
     files: dict[str, bytes]
     seed: Seed | None = None
     field: bool = False
-    tier: int = 1
     bags: bool = True  # record every trial
     bag_folder: str = ""  # where bags go; "": they are sent back, packed
     saved: str = ""  # judge the bags in this folder; no student's code runs
@@ -50,7 +49,6 @@ class Unit:
 
     @property
     def key(self) -> tuple[str, str]:
-        """What the store calls it."""
         return self.student, self.exercise
 
 
@@ -61,6 +59,7 @@ class UnitResult:
     grading: dict[str, Any] | None
     problem: str = ""  # why there is no grading; never the student's fault
     disk_full: bool = False  # that is why
+    died: bool = False  # so is the end of the worker
     bags: bytes = b""  # a tar file, if the unit named no folder; b"": too large
     wall_s: float = 0.0  # [s]
 
@@ -104,7 +103,6 @@ def _grade(unit: Unit) -> UnitResult:
                 unit.files,
                 seed=unit.seed,
                 field=unit.field,
-                tier=unit.tier,
                 bags=folder if unit.bags else None,
                 trust=unit.trust,
             )
@@ -120,9 +118,7 @@ def _judge_saved(exercise: Exercise, unit: Unit) -> dict[str, Any]:
 
     trials = SavedTrials(load_all(Path(unit.saved)))
     first = exercise.files[0]
-    return _portable(
-        grade(exercise, trials, file=first, field=unit.field, tier=unit.tier).as_dict()
-    )
+    return _portable(grade(exercise, trials, file=first, field=unit.field).as_dict())
 
 
 def _portable(grading: dict[str, Any]) -> dict[str, Any]:

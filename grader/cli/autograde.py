@@ -142,8 +142,7 @@ def autograde(
             text, waiting = listing(found)
         say(console, text)
         return LESS if waiting else FULL
-    with Progress(console) as progress:
-        graded = grade_class(submissions, out, chosen, progress, regrade=bool(regrade))
+    graded = grade_class(submissions, out, chosen, Progress(console), regrade=bool(regrade))
     lines, held = summary(graded, out)
     say(console, lines)
     if graded.missing:

@@ -15,6 +15,5 @@ PLATFORMS: tuple[Platform, ...] = (
     gradescope.PLATFORM, nbgrader.PLATFORM, moodle.PLATFORM, canvas.PLATFORM, github.PLATFORM,
     folders.PLATFORM,
 )  # fmt: skip
-TIMES = folders.TIMES  # how times are written, but for ISO 8601 and Moodle's words
 
-__all__ = ["PLATFORMS", "TIMES", "Platform"]
+__all__ = ["PLATFORMS", "Platform"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -26,7 +27,6 @@ class Task:
 
     @property
     def heading(self) -> str:
-        """Number and title."""
         return f"{self.number} · {self.title}"
 
 
@@ -68,12 +68,10 @@ class Mark:
 
     @property
     def student(self) -> str:
-        """The student's folder."""
         return self.row.student
 
     @property
     def name(self) -> str:
-        """The name for people."""
         return self.row.person.label or self.student
 
     @property
@@ -118,11 +116,9 @@ class Book:
         return self.systems <= ANYWHERE or not self.systems.isdisjoint(systems)
 
     def sheets(self, kind: str) -> list[Sheet]:
-        """Return the roster's sheets of that kind."""
         return [sheet for sheet in self.roster.sheets if sheet.kind == kind]
 
     def row_of(self, sheet: Sheet, mark: Mark) -> tuple[str, ...] | None:
-        """Return a student's row in a sheet."""
         for row, place in zip(sheet.rows, sheet.people, strict=True):
             if self.roster.people[place] == mark.row.person:
                 return row
@@ -176,8 +172,13 @@ def bare(heading: str) -> str:
 
 def scaled(points: float, task: Task, most: str) -> float:
     """Return points out of those that the gradebook's column has."""
+    full = number_in(most)
+    return round(points / task.points * full, 2) if 0 < full < 1e6 else points
+
+
+def number_in(cell: str) -> float:
+    """Return the number in a sheet's cell, in any language; NaN if there is none."""
     try:
-        full = float(most.replace(",", "."))
+        return float(cell.replace(",", "."))
     except ValueError:
-        return points
-    return points if not 0 < full < 1e6 else round(points / task.points * full, 2)
+        return math.nan

@@ -25,10 +25,9 @@ from pathlib import Path
 from typing import BinaryIO
 
 from grader.lms.book import Book, Mark, Task, scaled
-from grader.lms.pack import pack
 from grader.lms.people import Sheet, squeezed, unquoted
 from grader.lms.platform import Entry, Files, Platform, Read, Who
-from grader.lms.tables import Cell, Verbatim, csv_text, number
+from grader.lms.tables import Cell, Verbatim, csv_text, number, pack
 
 # From the left: what the student called the file can't reach the ids in front of it. But a name may
 # hold what looks like ids, and in some places students choose their own: UNCLEAR says when the file
@@ -88,7 +87,6 @@ def sheet(header: Sequence[str]) -> str:
 
 
 def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
-    """Return a file per exercise."""
     if not book.may_be("canvas"):
         return {}
     files = {f"canvas/{task.slug}.csv": canvas_csv(book, task) for task in tasks}
@@ -96,7 +94,6 @@ def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
 
 
 def canvas_csv(book: Book, task: Task) -> str | None:
-    """Return the file of one exercise; None if nobody has an id of Canvas's."""
     sheets = book.sheets("canvas")
     if sheets:
         return _from_sheet(book, task, sheets[0])
@@ -122,7 +119,8 @@ def canvas_csv(book: Book, task: Task) -> str | None:
 
 
 def _from_sheet(book: Book, task: Task, sheet: Sheet) -> str | None:
-    file, column = f"canvas/{task.slug}.csv", book.column(_assignments(sheet), task)
+    assignments = tuple(each for each in sheet.header if each.endswith(")"))  # with an id
+    file, column = f"canvas/{task.slug}.csv", book.column(assignments or sheet.header, task)
     most = sheet.points.get(column, "") if column else ""
     if column and READ_ONLY in most:
         book.remark(f"Canvas's column {column!r} is read only: nothing is exported for it")
@@ -169,17 +167,4 @@ def feedback(target: BinaryIO, marks: Sequence[Mark], task: Task, pages: Path) -
                   for upload, mark in sorted(once.items())))  # fmt: skip
 
 
-def _assignments(sheet: Sheet) -> tuple[str, ...]:
-    """Return the headings of assignments: those with an id at the end, else all."""
-    return tuple(each for each in sheet.header if each.endswith(")")) or sheet.header
-
-
-PLATFORM = Platform(
-    "Canvas",
-    read,
-    sheet,
-    gradebook,
-    feedback,
-    folder="canvas",
-    what="Canvas gradebook, a file per exercise; feedback files",
-)
+PLATFORM = Platform("Canvas", read, sheet, gradebook, feedback, folder="canvas")

@@ -16,7 +16,6 @@ FILE = (
 )
 RESULTS = "results of `course autograde`, no student's; move them elsewhere"
 GRADED_CLASS = ("store.sqlite", "class.html")
-TIMES = ("%d/%m/%Y %H:%M", "%d.%m.%Y %H:%M")  # by spreadsheets
 LITTER = {"Thumbs.db", "desktop.ini", "__MACOSX", "__pycache__"}
 
 

@@ -41,7 +41,6 @@ WORDS = {
 
 
 def read(folder: Path, paths: Sequence[Path]) -> Read:
-    """Return the submissions that the metadata name."""
     if not any(path.name == METADATA for path in paths):
         return Read(left=list(paths))
     known = _metadata(folder / METADATA)
@@ -116,7 +115,6 @@ def _text(value: object) -> str:
 
 
 def sheet(header: Sequence[str]) -> str:
-    """Return the kind of a roster."""
     named = {"name", "full name", "first name", "last name", "student", "student name"}
     return "gradescope" if "sid" in header and named & set(header) else ""
 

@@ -23,13 +23,12 @@ from datetime import datetime
 from pathlib import Path
 from typing import BinaryIO
 
-from grader.lms.book import Book, Mark, Task, scaled
+from grader.lms.book import Book, Mark, Task, number_in, scaled
 from grader.lms.clean import one_line
 from grader.lms.names import student_id
-from grader.lms.pack import pack
-from grader.lms.people import Sheet, trailing
+from grader.lms.people import Person, Roster, Sheet, trailing
 from grader.lms.platform import Entry, Files, Platform, Read, Who
-from grader.lms.tables import Cell, Verbatim, csv_text
+from grader.lms.tables import Cell, Verbatim, csv_text, pack
 
 _WHO = r"(?P<name>[^_]+)(?:_(?P<id>\d+))?_assignsubmission_(?P<plugin>file|onlinetext)"
 FOLDER = re.compile(rf"{_WHO}_?")
@@ -134,7 +133,6 @@ def _participants(rows: Sequence[Sequence[str]], column: int) -> str | None:
 
 
 def _is_maximum(rows: Sequence[Sequence[str]], column: int) -> bool:
-    """Return whether a column is the points of the assignment, the same for all, after a grade."""
     points = re.compile(r"-?\d+([.,]\d+)?")
     most = {row[column].strip() for row in rows}
     before = {row[column - 1].strip() for row in rows} - {"", "-"}
@@ -174,8 +172,27 @@ def moment(text: str) -> datetime | None:
         return None
 
 
+def times(roster: Roster, person: Person | None, own: str) -> tuple[str, str]:
+    """Return the time of a person's submission and the end of an extension, "" if none is told.
+
+    They are in Moodle's worksheet and in GitHub Classroom's grades. The assignment calls the
+    submission by its `own` id: the participant's number, or the repository.
+    """
+    for sheet in roster.sheets:
+        for row, place in zip(sheet.rows, sheet.people, strict=True):
+            if roster.people[place] != person:
+                continue
+            if sheet.kind == KIND and own == trailing(sheet.cell(row, IDENTIFIER)):
+                told = sheet.cell(row, SUBMITTED)
+                before = " ".join(row[: sheet.small.index(GRADE)])  # its status among them
+                more = MOMENT.search(before)
+                return ("" if told == "-" else told), (more[0] if more else "")
+            if own.casefold() == sheet.cell(row, "student_repository_name").casefold() != "":
+                return sheet.cell(row, "submission_timestamp"), ""
+    return "", ""
+
+
 def gradebook(book: Book, tasks: Sequence[Task]) -> Files:
-    """Return a grading worksheet per exercise."""
     if not book.may_be("moodle", KIND):
         return {}
     made = {_file(task): worksheet_csv(book, task, alone=len(tasks) == 1) for task in tasks}
@@ -215,17 +232,13 @@ def _by_participant(worksheet: Sheet) -> Mapping[str, Sequence[str]]:
 def _is_scale(book: Book, task: Task, worksheet: Sheet) -> bool:
     """Return whether an assignment has no points: minus a scale's number is there, or zero."""
     most = worksheet.cell(worksheet.rows[0], MOST)
-    try:
-        points = not most or float(most.replace(",", ".")) > 0
-    except ValueError:
-        points = False
-    if not points:
-        book.remark(
-            f"{_file(task)} is not written: the assignment's maximum grade is "
-            f"{one_line(most, 60)!r}, so Moodle grades it on a scale or not at all; choose points "
-            "in its settings"
-        )
-    return not points
+    if not most or number_in(most) > 0:
+        return False
+    book.remark(
+        f"{_file(task)} is not written: the assignment's maximum grade is {one_line(most, 60)!r}, "
+        "so Moodle grades it on a scale or not at all; choose points in its settings"
+    )
+    return True
 
 
 def _filled_in(
@@ -266,12 +279,4 @@ def _folder(mark: Mark) -> str:
     return f"{name}_{mark.handed.id}_assignfeedback_file"
 
 
-PLATFORM = Platform(
-    "Moodle",
-    read,
-    sheet,
-    gradebook,
-    feedback,
-    folder="moodle",
-    what="Moodle: grading worksheets, feedback files",
-)
+PLATFORM = Platform("Moodle", read, sheet, gradebook, feedback, folder="moodle")

@@ -50,15 +50,13 @@ def may_enter(name: str) -> bool:
 
 def plain(name: str) -> str:
     """Return a file's name without what browsers and platforms add to a second copy."""
-    return _split(name)[0]
+    return _split(unicodedata.normalize("NFC", name).casefold())[0]
 
 
 def uncopied(name: str) -> str:
     """Return a file's name as it was before a browser or platform marked it as a second copy."""
-    stem, dot, suffix = name.rpartition(".")
-    while found := COPIED.search(stem):
-        stem = stem[: found.start()]
-    return stem + dot + suffix if stem else name
+    bare = _split(name)[0]
+    return name if bare.startswith(".") else bare
 
 
 def copy_number(name: str) -> int:
@@ -73,7 +71,7 @@ def numbered(name: str) -> tuple[str, int]:
 
 
 def _split(name: str) -> tuple[str, int]:
-    stem, dot, suffix = unicodedata.normalize("NFC", name).casefold().rpartition(".")
+    stem, dot, suffix = name.rpartition(".")
     stem, number = stem.strip(), 0
     while found := COPIED.search(stem):
         digits = found[1] or found[2]

@@ -167,7 +167,6 @@ def write_into(db: Path, book: Book, tasks: Sequence[Task]) -> None:
 
 
 def _id(mark: Mark) -> str:
-    """Return what nbgrader calls a student."""
     mine = mark.handed.system == "nbgrader"
     id_ = mark.handed.id if mine else mark.row.person.ids.get("login", "")
     return id_ or mark.student

@@ -89,13 +89,7 @@ class Roster:
     sheets: tuple[Sheet, ...] = ()
 
     def is_from(self, path: Path) -> bool:
-        """Return whether the roster was read from this file."""
         return any(path.exists() and path.samefile(sheet.file) for sheet in self.sheets)
-
-    def find(self, system: str, name: str, id_: str = "", email: str = "") -> Person | None:
-        """Return the person a download means; None if nobody or more than one can be meant."""
-        people = self.match(system, name, id_, email).people
-        return people[0] if len(people) == 1 else None
 
     def match(
         self, system: str, name: str, id_: str = "", email: str = "", place: str = ""

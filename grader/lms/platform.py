@@ -94,4 +94,3 @@ class Platform:
     gradebook: Fills = lambda book, tasks: {}
     feedback: Packs | None = None  # writes a zip of the pages in a folder, as it takes them back
     folder: str = ""  # of its files; made anew each time
-    what: str = ""  # is in it

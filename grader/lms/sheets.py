@@ -77,8 +77,9 @@ def read_roster(files: Sequence[Path]) -> Roster:
         rows = [row for row in every if _is_person(kind, header, row)]
         found = [_person(kind, english or header, row) for row in rows]
         places = _merge(people, _typed_once(found) if kind == "gradescope" else found, file)
-        possible = _possible(header, every)
-        sheets.append(Sheet(file, kind, header, tuple(rows), places, possible, english))
+        possible = next((row for row in every if "Points Possible" in row[0]), ())
+        points = dict(zip(header, possible, strict=False))
+        sheets.append(Sheet(file, kind, header, tuple(rows), places, points, english))
     return Roster(tuple(people), tuple(sheets))
 
 
@@ -191,11 +192,6 @@ def lines_in(file: IO[bytes]) -> list[list[str]]:
     if columns * len(lines) > MAX_CELLS:
         raise Refused(f"{len(lines):,} lines of {columns:,} columns")
     return [line[:columns] for line in lines]
-
-
-def _possible(header: Sequence[str], rows: Sequence[Sequence[str]]) -> dict[str, str]:
-    found = [row for row in rows if "Points Possible" in row[0]]
-    return dict(zip(header, found[0], strict=True)) if found else {}
 
 
 def decoded(data: bytes) -> str:

@@ -18,7 +18,7 @@ from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
 from grader.errors import is_disk_full
-from grader.link.cell import CLASS, ONE, Limits, Refused, read_in_cell
+from grader.link.cell import CLASS, ONE, Refused, read_in_cell
 from grader.lms.names import may_enter
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
@@ -47,7 +47,6 @@ Odd = tuple[str, str]  # a member's name, and what is odd about it
 
 
 def is_archive(name: str) -> bool:
-    """Return whether files called so are unpacked."""
     return name.lower().endswith(ARCHIVES)
 
 
@@ -57,43 +56,31 @@ def is_unread_archive(name: str) -> bool:
 
 
 def archive_stem(name: str) -> str:
-    """Return an archive's name without its suffixes."""
     lower = name.lower()
     suffixes = sorted((*ARCHIVES, *UNREAD), key=len, reverse=True)
     suffix = next((each for each in suffixes if lower.endswith(each)), "")
     return name[: len(name) - len(suffix)]
 
 
-def unpack(archive: Path, room: Path) -> list[Odd]:
-    """Unpack a student's archive into `room`; return what is odd in it.
+def unpack(archive: Path, room: Path, *, of_class: bool = False) -> list[Odd]:
+    """Unpack a student's archive, or a platform's of a class, into `room`; return what is odd.
+
+    Of a class's, files that are too long are cut off, and those with impossible names left out:
+    nobody's can keep out the others.
 
     Raises Refused: it is locked, a trap, or broken.
     """
-    size = min(MAX_UNPACKED, max(SMALL, MAX_RATIO * archive.stat().st_size))
-    return _in_cell(archive, room, (size, 2 * MAX_UNPACKED, MAX_MEMBERS, MAX_DEPTH + 1, None), ONE)
-
-
-def unpack_class(archive: Path, room: Path) -> list[Odd]:
-    """Unpack a platform's download of a whole class.
-
-    Files that are too long are cut off, and those with impossible names left out: nobody's can keep
-    out the others.
-
-    Raises Refused: it is locked, a trap, or broken.
-    """
-    size = MANY * MAX_UNPACKED
-    most = (size, 2 * size, MANY * MAX_MEMBERS, MAX_DEPTH + 3, CUT)
-    return _in_cell(archive, room, most, CLASS)
-
-
-def _in_cell(
-    archive: Path, room: Path, most: tuple[int, int, int, int, int | None], limits: Limits
-) -> list[Odd]:
+    many = MANY if of_class else 1
+    size = stream = many * MAX_UNPACKED
+    if not of_class:
+        size = min(size, max(SMALL, MAX_RATIO * archive.stat().st_size))
+    depth, cut = (MAX_DEPTH + 3, CUT) if of_class else (MAX_DEPTH + 1, None)
     room.mkdir(parents=True, exist_ok=True)
     suffix = archive.name.lower().rpartition(".")[2]
     return read_in_cell(
-        unpack_here, suffix, *most, file=archive, room=room, returns=list[Odd], limits=limits
-    )
+        unpack_here, suffix, size, 2 * stream, many * MAX_MEMBERS, depth, cut,
+        file=archive, room=room, returns=list[Odd], limits=CLASS if of_class else ONE,
+    )  # fmt: skip
 
 
 def unpack_here(
@@ -143,7 +130,10 @@ def _write(
         except (Refused, OSError) as error:
             if cut is None or is_disk_full(error):
                 raise
-            odd.append((name, _unwritten(error)))  # one can't keep out the others
+            why = str(error)  # one can't keep out the others
+            if isinstance(error, OSError):  # too long a name, or a member is a folder called so
+                why = f"can't be written ({error.strerror}); ask for another name"
+            odd.append((name, why))
             continue
         size = 0
         with source, target.open("wb") as file:
@@ -155,13 +145,6 @@ def _write(
                 left.take(len(chunk))
                 file.write(chunk)
     return odd
-
-
-def _unwritten(error: Refused | OSError) -> str:
-    """Return why a member of a class's download is left out."""
-    if isinstance(error, OSError):  # too long a name, or another member is a folder called so
-        return f"can't be written ({error.strerror}); ask for another name"
-    return str(error)
 
 
 class _Allowance:

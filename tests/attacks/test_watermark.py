@@ -56,7 +56,7 @@ def graded(
     return StoredResult(
         student="ada", exercise=EXERCISE.slug, file_names=(node.name,), input_hash="",
         state=GRADED, grading=made.as_dict(), recordings=folder / "bags", wall_s=10.0 * mark[2],
-        attempts=mark[2], problem=mark[0], finished=f"2026-01-01T00:00:0{mark[2]}Z", canary=False,
+        attempts=mark[2], problem=mark[0], finished=f"2026-01-01T00:00:0{mark[2]}Z",
     )  # fmt: skip
 
 

@@ -89,7 +89,7 @@ def stored(student: str, slug: str, made: dict[str, Any] | None, **parts: Any) -
             "student": student, "exercise": slug, "file_names": (f"{slug}_agent.py",),
             "input_hash": "0" * 64, "state": GRADED, "grading": made, "recordings": None,
             "wall_s": 1.5, "attempts": 1, "problem": "",
-            "finished": "2026-05-04T09:12:00Z", "canary": False, **parts,
+            "finished": "2026-05-04T09:12:00Z", **parts,
         }
     )  # fmt: skip
 

@@ -8,27 +8,14 @@ from typing import Any
 
 from msgspec.structs import replace as replace_struct
 
-from grader.classroom.amendments.change import (
-    Answer,
-    Assign,
-    Comment,
-    Late,
-    Publish,
-    Score,
-    SetCheck,
-    Style,
-    Undo,
-    Waive,
-    Whom,
-)
+from grader.classroom.amendments import change as changes
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry, style_words
-from grader.classroom.amendments.people import find_student
-from grader.classroom.marks import TO_HOLD, points_of, tasks_of
-from grader.classroom.row import ABSENT, GRADED, HELD, STALLS, UNJUDGED, Amended, StoredResult
+from grader.classroom.marks import TO_HOLD, checks_of, points_of, task_of
+from grader.classroom.row import ABSENT, GRADED, HELD, UNJUDGED, Amended, StoredResult
 from grader.course.exercises import find_exercise
 from grader.course.score import score_of
-from grader.lms.book import StudentRow, Task, about
+from grader.lms.book import StudentRow, about
 
 SPARED = "Entry {} of the log changes nothing where it would lower a score (--may-lower)"
 
@@ -47,24 +34,21 @@ class _Known:
 def amended(
     results: Sequence[StoredResult], entries: Sequence[Entry], rows: Mapping[str, StudentRow]
 ) -> tuple[list[StoredResult], list[str]]:
-    """Return the results as they count, and what a person should know.
+    """Return the results as they count by the entries that do (`active`), and what to know of it.
 
-    Parameters
-    ----------
-    results
-        As they are stored; none of them is changed.
-    entries
-        Those that count, from `active`.
-    rows
-        What is known of the students.
+    None of the given results is changed.
     """
     known = _Known(rows)
     entries = _of_this_class(entries, results, known)
-    tasks = {task.slug: task for task in tasks_of(results)}
     found = []
     for result in results:
-        mine = [] if result.canary else [each for each in entries if _is_about(each, result, rows)]
-        found.append(_amended(result, mine, tasks[result.exercise], known) if mine else result)
+        mine = [
+            each for each in entries
+            if isinstance(each.change, changes.Shown)
+            and each.change.exercise == result.exercise
+            and each.change.whom.includes(result.student, rows)
+        ]  # fmt: skip
+        found.append(_amended(result, mine, known) if mine else result)
     return found, [about(text, students) for text, students in known.remarks.items()]
 
 
@@ -73,39 +57,29 @@ def _of_this_class(
 ) -> list[Entry]:
     """Return the entries about the students as they are called now.
 
-    A folder is somebody's for good. But what was nobody's goes to whom it is assigned; and in a
-    store of schema 4 folders changed once a student had handed in.
+    A folder is somebody's for good. But what was nobody's goes to whom it is assigned.
     """
-    students = sorted({result.student for result in results if not result.canary})
-    here = set(students)
+    here = {result.student for result in results}
     theirs = {
         entry.change.was: entry.change.whom.students[0]
         for entry in entries
-        if isinstance(entry.change, Assign) and len(entry.change.whom.students) == 1
+        if isinstance(entry.change, changes.Assign) and len(entry.change.whom.students) == 1
     }
     found = []
     for entry in entries:
         change = entry.change
-        whom = Whom() if isinstance(change, Undo) else change.whom
-        if isinstance(change, Undo) or here.issuperset(whom.students):
+        if isinstance(change, changes.Undo) or here.issuperset(change.whom.students):
             found.append(entry)
             continue
-        now = {old: old if old in here else theirs.get(old) or _followed(old, students, known)
-               for old in whom.students}  # fmt: skip
-        for old, new in now.items():
-            if new is None:
-                text = f"Entry {entry.number} of the log is about somebody who is not in the class"
-                known.remark(text, old)
-        named = tuple(new or old for old, new in now.items())
-        versions = {now[old] or old: hash_ for old, hash_ in whom.versions.items() if old in now}
-        whom = replace_struct(whom, students=named, versions=versions)
+        whom = change.whom
+        now = {old: old if old in here else theirs.get(old, old) for old in whom.students}
+        for gone in sorted(set(now.values()) - here):
+            text = f"Entry {entry.number} of the log is about somebody who is not in the class"
+            known.remark(text, gone)
+        versions = {now[old]: hash_ for old, hash_ in whom.versions.items() if old in now}
+        whom = replace_struct(whom, students=tuple(now.values()), versions=versions)
         found.append(replace(entry, change=replace_struct(change, whom=whom)))
     return found
-
-
-def _followed(old: str, students: Sequence[str], known: _Known) -> str | None:
-    """Return who was called by a folder that the store doesn't know; never somebody's namesake."""
-    return None if old in known.rows else find_student(old, students, known.rows)
 
 
 def published(
@@ -113,11 +87,11 @@ def published(
 ) -> set[tuple[str, str]] | None:
     """Return whose feedback is published, by student and exercise; None if nothing ever was."""
     entries = _of_this_class(entries, results, _Known(rows))
-    wanted = [entry.change for entry in entries if isinstance(entry.change, Publish)]
+    wanted = [entry.change for entry in entries if isinstance(entry.change, changes.Publish)]
     if not wanted:
         return None
     return {
-        (one.student, one.exercise)
+        one.key
         for one in results
         for change in wanted
         if one.exercise in (change.exercises or (one.exercise,))
@@ -125,25 +99,16 @@ def published(
     }
 
 
-def _is_about(entry: Entry, result: StoredResult, rows: Mapping[str, StudentRow]) -> bool:
-    match entry.change:
-        case SetCheck() | Waive() | Late() | Score() | Comment() | Style() | Answer():
-            same = entry.change.exercise == result.exercise
-            return same and entry.change.whom.includes(result.student, rows)
-    return False
-
-
-def _amended(
-    result: StoredResult, entries: Sequence[Entry], task: Task, known: _Known
-) -> StoredResult:
+def _amended(result: StoredResult, entries: Sequence[Entry], known: _Known) -> StoredResult:
+    task = task_of(result.exercise)
     steps: list[str] = []
     counted: list[Entry] = []
     changed = result
     for entry in entries:
-        if isinstance(change := entry.change, SetCheck | Waive):
+        if isinstance(change := entry.change, changes.SetCheck | changes.Waive):
             said: list[str] = []
             after = _with_check(changed, change, said)
-            if after is not None and not change.may_lower and _lowers(changed, after, result, task):
+            if after is not None and not change.may_lower and _lowers(changed, after, result):
                 known.remark(SPARED.format(entry.number), result.student)
                 continue
             if after is not None:
@@ -159,14 +124,14 @@ def _amended(
                 )
     if counted:
         changed = _judged(changed, result)
-    points = points_of(changed, task)
-    rules = [(entry, entry.change) for entry in entries if isinstance(entry.change, Late)]
+    points = points_of(changed)
+    rules = [(entry, entry.change) for entry in entries if isinstance(entry.change, changes.Late)]
     if rules and points is not None:
         entry, rule = rules[-1]
-        penalty = _penalty(rule, result, task, points, steps, known)
+        penalty = _penalty(rule, result, points, steps, known)
         counted += [entry] if penalty else []
         points = round(points - penalty, 2)
-    scores = [(entry, entry.change) for entry in entries if isinstance(entry.change, Score)]
+    scores = [(entry, entry.change) for entry in entries if isinstance(entry.change, changes.Score)]
     if scores:
         entry, given = scores[-1]
         points = min(given.points, task.points)
@@ -178,7 +143,7 @@ def _amended(
     if not counted and not words:
         return result
     numbers = tuple(entry.number for entry in (*counted, *(entry for entry, _ in words)))
-    style = [entry.change for entry, _ in words if isinstance(entry.change, Style)]
+    style = [entry.change for entry, _ in words if isinstance(entry.change, changes.Style)]
     amended_ = Amended(
         points, (*steps, *(said for _, said in words)), numbers, by_hand=bool(scores),
         graded=result, style=style[0].sums if style else None, only_words=not counted,
@@ -189,29 +154,27 @@ def _amended(
 def _words(
     entries: Sequence[Entry], result: StoredResult, known: _Known
 ) -> list[tuple[Entry, str]]:
-    """Return what the student is to read beside the points."""
-    styles = [entry for entry in entries if isinstance(entry.change, Style)]
+    styles = [entry for entry in entries if isinstance(entry.change, changes.Style)]
     found = []
     for entry in entries:
         match entry.change:
-            case Comment() as told:
+            case changes.Comment() as told:
                 found.append((entry, f"{told.file}, line {told.line}: {told.words}"))
                 _note_version(entry, told.whom, result, known)
-            case Style() as told if entry is styles[-1]:
+            case changes.Style() as told if entry is styles[-1]:
                 found.append((entry, f"Beside these points: {style_words(told)}."))
                 _note_version(entry, told.whom, result, known)
-            case Answer() as told:
+            case changes.Answer() as told:
                 found.append((entry, f"Answer to your request: {told.words}"))
     return found
 
 
-def _lowers(before: StoredResult, after: StoredResult, graded: StoredResult, task: Task) -> bool:
-    """Return whether a changed check would cost points."""
-    had, has = (points_of(_judged(each, graded), task) for each in (before, after))
+def _lowers(before: StoredResult, after: StoredResult, graded: StoredResult) -> bool:
+    had, has = (points_of(_judged(each, graded)) for each in (before, after))
     return had is not None and has is not None and has < had
 
 
-def _note_version(entry: Entry, whom: Whom, result: StoredResult, known: _Known) -> None:
+def _note_version(entry: Entry, whom: changes.Whom, result: StoredResult, known: _Known) -> None:
     """Remark that a mark was given for another submission than the one that is graded now."""
     then = whom.versions.get(result.student, "")
     if result.student in whom.students and then != version_of(result):
@@ -231,20 +194,19 @@ def version_of(result: StoredResult) -> str:
 
 
 def _with_check(
-    result: StoredResult, change: SetCheck | Waive, steps: list[str]
+    result: StoredResult, change: changes.SetCheck | changes.Waive, steps: list[str]
 ) -> StoredResult | None:
     """Return the result with one check changed; None if it has no such check."""
     grading = result.grading or {}
-    checks = [dict(check) for check in grading.get("checks") or ()]
-    found = [check for check in checks if check.get("id") == change.check]
-    if not found:
+    checks = [dict(check) for check in checks_of(result)]
+    check = next((check for check in checks if check.get("id") == change.check), None)
+    if check is None:
         return None
-    (check,) = found[:1]
     title = str(check.get("title") or change.check).rstrip(".")
     most, had = (float(check.get(key) or 0) for key in ("max_points", "points"))
     was = f"Before: {check.get('outcome')}, {had:g} of {most:g} points."
     said = str(check.get("message") or "")
-    if isinstance(change, Waive):
+    if isinstance(change, changes.Waive):
         check.update(outcome="skip", points=0, max_points=0, waived=True)
         check["message"] = f"Does not count. {was} {said}".strip()
         steps.append(f"“{title}” does not count.")
@@ -263,37 +225,30 @@ def _judged(result: StoredResult, before: StoredResult) -> StoredResult:
     them all.
     """
     grading = result.grading or {}
-    core = [check for check in grading.get("checks") or () if check.get("kind") != "field"]
+    core = [check for check in checks_of(result) if check.get("kind") != "field"]
     sums = score_of(core, find_exercise(result.exercise).essential)
     new: dict[str, Any] = {
-        **grading,
-        "score": sums.points,
-        "max_score": sums.most,
-        "raw_score": sums.raw,
+        **grading, "score": sums.points, "max_score": sums.most, "raw_score": sums.raw,
         "cap": sums.note,
-    }
+    }  # fmt: skip
     if all(check.get("outcome") == "pass" or check.get("waived") for check in core):
         new["cause"] = None
-    sure = all(check.get("outcome") not in TO_HOLD for check in grading.get("checks") or ())
-    settled = before.state == HELD and sure and _held_for_checks(before)
-    state = GRADED if settled else result.state
-    return replace(result, grading=new, state=state, problem="" if settled else result.problem)
-
-
-def _held_for_checks(result: StoredResult) -> bool:
-    outcomes = {check.get("outcome") for check in (result.grading or {}).get("checks") or ()}
-    why = result.problem.startswith(STALLS) or UNJUDGED in result.problem
-    return why and not outcomes.isdisjoint(TO_HOLD)
+    sure = all(check.get("outcome") not in TO_HOLD for check in checks_of(result))
+    for_checks = UNJUDGED in before.problem and any(
+        check.get("outcome") in TO_HOLD for check in checks_of(before)
+    )
+    if before.state == HELD and sure and for_checks:
+        return replace(result, grading=new, state=GRADED, problem="")
+    return replace(result, grading=new)
 
 
 # --- lateness ------------------------------------------------------------------------------------
 
 
 def _penalty(
-    rule: Late, result: StoredResult, task: Task, points: float, steps: list[str], known: _Known
+    rule: changes.Late, result: StoredResult, points: float, steps: list[str], known: _Known
 ) -> float:
-    """Return the points that lateness costs."""
-    row = known.rows.get(result.student)
+    task, row = task_of(result.exercise), known.rows.get(result.student)
     handed = row.handed.get(result.exercise) if row else None
     late, guess = lateness(rule, result.student, handed)
     if guess:

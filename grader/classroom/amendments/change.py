@@ -18,7 +18,6 @@ class Whom(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_default
     versions: dict[str, str] = {}
 
     def includes(self, student: str, rows: Mapping[str, StudentRow]) -> bool:
-        """Return whether a change is about a student."""
         if self.students:
             return student in self.students
         if self.section:
@@ -27,7 +26,6 @@ class Whom(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_default
         return True
 
     def __str__(self) -> str:
-        """Return the words for a table."""
         if self.students:
             return ", ".join(self.students)
         return f"section {self.section}" if self.section else "everybody"
@@ -44,7 +42,7 @@ class SetCheck(_Change, frozen=True, tag="set"):
     check: str
     points: float
     whom: Whom = Whom()
-    may_lower: bool = True  # as in logs that don't say
+    may_lower: bool = True
 
 
 class Waive(_Change, frozen=True, tag="waive"):
@@ -53,7 +51,7 @@ class Waive(_Change, frozen=True, tag="waive"):
     exercise: str
     check: str
     whom: Whom = Whom()
-    may_lower: bool = True  # as in logs that don't say
+    may_lower: bool = True
 
 
 class Late(_Change, frozen=True, tag="late"):
@@ -153,4 +151,5 @@ class Undo(_Change, frozen=True, tag="undo"):
 
 
 Words = Comment | Style | Answer  # what a student reads beside the points
-Change = SetCheck | Waive | Late | Score | Publish | Assign | Accept | Words | Request | Undo
+Shown = SetCheck | Waive | Late | Score | Words  # that may change what a student reads
+Change = Shown | Publish | Assign | Accept | Request | Undo

@@ -7,6 +7,7 @@ zone.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -17,12 +18,12 @@ from zoneinfo import ZoneInfo
 from grader.classroom.amendments.change import Late
 from grader.classroom.amendments.people import find_student
 from grader.errors import InputError
-from grader.lms import TIMES
 from grader.lms.book import Handed, StudentRow
 from grader.lms.moodle import moment
 from grader.lms.sheets import read_roster
 
 DAY = 86400  # [s]
+TIMES = ("%d/%m/%Y %H:%M", "%d.%m.%Y %H:%M")  # by spreadsheets
 HEADINGS = (
     "time", "submitted", "submitted at", "submission time", "handed in", "timestamp",
     "last modified (submission)",
@@ -64,17 +65,10 @@ def parsed(text: str, zone: tzinfo) -> datetime | None:
     if (words := moment(plain)) is not None:
         return words.replace(tzinfo=zone)
     for pattern in ("", *TIMES):
-        try:
-            found = datetime.strptime(plain, pattern) if pattern else _iso(plain)
-        except ValueError:
-            continue
-        return found if found.tzinfo else found.replace(tzinfo=zone)
+        with contextlib.suppress(ValueError):
+            found = datetime.strptime(plain, pattern) if pattern else datetime.fromisoformat(plain)
+            return found if found.tzinfo else found.replace(tzinfo=zone)
     return None
-
-
-def _iso(text: str) -> datetime:
-    # at most six digits of a second, and no space before the offset
-    return datetime.fromisoformat(re.sub(r"(\.\d{6})\d*|\s+(?=[+-]\d\d:?\d\d$)", r"\1", text))
 
 
 def moment_of(text: str, zone: str) -> str:

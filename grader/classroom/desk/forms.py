@@ -37,7 +37,6 @@ class Form:
         return Form(sent)
 
     def __getitem__(self, name: str) -> str:
-        """Return a field's first text; "" if there is none."""
         return next(iter(self.fields.get(name, ())), "").strip()
 
     def every(self, name: str) -> list[str]:
@@ -53,7 +52,6 @@ class Form:
 
     @property
     def why(self) -> str:
-        """The reason, for the log."""
         return self["why"] or REASONS.get(self["kind"], "")
 
 
@@ -112,7 +110,6 @@ def change_of(class_: Marking, form: Form) -> Change:
 
 @contextlib.contextmanager
 def _as_file(text: str) -> Iterator[Path | None]:
-    """Yield a file with this text; None if there is none."""
     with tempfile.TemporaryDirectory(prefix="course-") as folder:
         file = Path(folder, "times.csv")
         file.write_text(text, "utf-8")

@@ -6,7 +6,6 @@ import contextlib
 import functools
 import threading
 from collections.abc import Iterator
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +24,6 @@ from grader.lms.book import StudentRow
 from grader.lms.clean import visible
 
 if TYPE_CHECKING:
-    from grader.classroom.account import Line
     from grader.classroom.desk.server import Person
 
 Html = str
@@ -57,38 +55,14 @@ class _View:
         self.results = class_.counting()
         self.tasks = {task.slug: task for task in tasks_of(self.results)}
         self.entries = class_.entries
+        self.held = [each for each in self.results if is_held(each)]
+        lines = enumerate(class_.options.account.lines)
+        self.faults = [(place, line) for place, line in lines if line.fault]
+        self.requests = asked.requests(self.entries)
         self.revision = functools.cache(self._revision)
 
     def render(self, template: str, title: str, **about: Any) -> Html:
-        """Return a page with the desk's head."""
         return render(f"desk_{template}.html", title, desk=True, view=self, **about)
-
-    @cached_property
-    def held(self) -> list[StoredResult]:
-        """The results that a person has to look at."""
-        return [each for each in self.results if is_held(each)]
-
-    @cached_property
-    def faults(self) -> list[tuple[int, Line]]:
-        """The lines of the account that a person should look at, with their places."""
-        lines = enumerate(self.class_.options.account.lines)
-        return [(place, line) for place, line in lines if line.fault]
-
-    @cached_property
-    def requests(self) -> list[tuple[Entry, Any, list[Entry]]]:
-        """What students ask, the newest first, with the answers."""
-        return asked.requests(self.entries)
-
-    @property
-    def open_requests(self) -> int:
-        """How many nobody has answered."""
-        return sum(not answers for _, _, answers in self.requests)
-
-    @property
-    def sections(self) -> list[str]:
-        """Of the roster."""
-        rows = self.class_.rows.values()
-        return sorted({row.person.section for row in rows if row.person.section})
 
     @property
     def people(self) -> list[tuple[str, str]]:
@@ -97,7 +71,6 @@ class _View:
         return [(each, self.row(each).person.label) for each in every if not self.row(each).unsure]
 
     def row(self, student: str) -> StudentRow:
-        """Return what is known of a student."""
         return self.class_.rows.get(student) or StudentRow(student)
 
     def _revision(self, student: str = "") -> str:
@@ -136,14 +109,13 @@ def entered(name: str) -> Html:
 
 
 def refused(why: str) -> Html:
-    """Return the page that says why something wasn't done."""
     return render("desk_refused.html", "Desk", desk=True, why=why)
 
 
 def class_page(out: Path, person: Person, find: str, section: str) -> Html:
     """Return everybody, or those who are called so, with their points."""
     with _view(out, person) as view:
-        by_key = {(each.student, each.exercise): each for each in view.results}
+        by_key = {each.key: each for each in view.results}
         found = []
         for student in view.class_.students:
             row = view.row(student)
@@ -184,16 +156,12 @@ def marks_page(out: Path, person: Person) -> Html:
 
 
 def student_page(out: Path, person: Person, student: str, exercise: str) -> Html:
-    """Return a student's work in an exercise: replay and file, side by side, and what to do.
-
-    Raises InputError: there is no such student or exercise.
-    """
+    """Return a student's work in an exercise: replay and file, side by side, and what to do."""
     with _view(out, person) as view:
         mine = {each.exercise: each for each in view.results if each.student == student}
         if exercise not in mine:
             raise InputError(f"nobody called {student!r} has a result in {exercise!r}")
         result = mine[exercise]
-        replays = out / view.class_.options.replays_in / student / f"{exercise}.html"
         words = [
             entry.change for entry in active(view.entries)
             if isinstance(entry.change, Comment | Style) and entry.change.exercise == exercise
@@ -211,7 +179,7 @@ def student_page(out: Path, person: Person, student: str, exercise: str) -> Html
             points=next((was, now) for one, was, now in view.class_.points(student)
                         if one.exercise == exercise),
             checks=checks_of(result),
-            has_replay=replays.is_file() or (out / "feedback" / student / replays.name).is_file(),
+            has_replay=_replay_of(view, student, exercise) is not None,
             files=_files(view, student, exercise),
             comments=[
                 each for each in words  # lines of an earlier submission are others
@@ -227,18 +195,20 @@ def student_page(out: Path, person: Person, student: str, exercise: str) -> Html
 
 
 def replay(out: Path, person: Person, student: str, exercise: str) -> Html:
-    """Return the feedback page of a student as it is, with the replays; it is not the desk's own.
-
-    Raises InputError: there is none.
-    """
+    """Return a student's feedback page as it is, with the replays; it is not the desk's own."""
     with _view(out, person) as view:
-        if student not in view.class_.students or exercise not in view.tasks:
+        page = _replay_of(view, student, exercise)
+        if page is None:
             raise InputError("there is no such page")
-        for folder in (view.class_.options.replays_in, "feedback"):
-            page = out / folder / student / f"{exercise}.html"
-            if page.is_file():
-                return page.read_text("utf-8", "replace")
-    raise InputError("there is no such page")
+        return page.read_text("utf-8", "replace")
+
+
+def _replay_of(view: _View, student: str, exercise: str) -> Path | None:
+    if student not in view.class_.students or exercise not in view.tasks:
+        return None
+    folders = (view.class_.out / each for each in (view.class_.options.replays_in, "feedback"))
+    pages = (folder / student / f"{exercise}.html" for folder in folders)
+    return next(filter(Path.is_file, pages), None)
 
 
 def _files(view: _View, student: str, exercise: str) -> list[tuple[str, list[str], int]]:
@@ -269,7 +239,10 @@ def changed(out: Path, person: Person, form: Form) -> Html:
         class_ = stack.enter_context(marking(out) if sure else reading(out))
         view = _View(class_, person)
         if seen != view.revision(scope).partition("-")[2]:
-            raise Stale(_stale(view, form, int(last) if last.isdecimal() else 0))
+            known = int(last) if last.isdecimal() else 0
+            new = [each for each in view.log(scope) if each[0].number > known]
+            raise Stale(view.render("stale", "Not written", why=STALE, new=new, form=form,
+                                    back=_back(form)))  # fmt: skip
         if form["kind"] == "write":
             return _done(view, form, class_.write(), what="all results", sure=True)
         change = change_of(class_, form)
@@ -290,12 +263,6 @@ def _done(view: _View, form: Form, done: Marked, *, what: str, sure: bool) -> Ht
     )  # fmt: skip
 
 
-def _stale(view: _View, form: Form, last: int) -> Html:
-    new = [each for each in view.log(form["scope"]) if each[0].number > last]
-    return view.render("stale", "Not written", why=STALE, new=new, form=form, back=_back(form))
-
-
 def _back(form: Form) -> str:
-    """Return where the form came from, on this desk."""
     back = form["back"]
     return back if back.startswith("/") and not back.startswith("//") and "\\" not in back else "/"

@@ -66,8 +66,6 @@ class Desk:
 
 
 class _Page(RequestHandler):
-    """What all pages share."""
-
     def initialize(
         self, desk: Desk, make: Callable[..., pages.Html] = pages.refused, asked: Sequence[str] = ()
     ) -> None:  # fmt: skip

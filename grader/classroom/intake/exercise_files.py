@@ -76,26 +76,20 @@ def find_files(student: Student, names: Sequence[str], taken: str = "", why: str
     What still is the skeleton was not handed in, unless another of the files is work. Of several
     the newest counts: what the platform received last; else the one nearest to the top, and there
     the highest number of a copy. Names may differ in case, and may have the suffix that a browser
-    gives a second copy. If none has the right name, the only one that is near to it counts.
-
-    Parameters
-    ----------
-    student
-        Whose files they are.
-    names
-        Of the exercise.
-    taken
-        A file that counts as the first, whatever it is called, as `HandedIn.name` has it.
-    why
-        It does.
+    gives a second copy. If none has the right name, the only one that is near to it counts. Before
+    all counts the file `taken` (a `HandedIn.name`), and `why` says so.
     """
     first, *others = names
     called = _called(first, student.files)
     untouched = [file for file in called if is_skeleton(file.path, first)]
     empty = [file for file in called if is_empty(file.path)]
     candidates = [file for file in called if file not in untouched and file not in empty]
-    if accepted := [file for file in student.files if _same_file(file.name, taken)]:
-        candidates = sorted(accepted, key=_age)
+    wanted = PurePosixPath(taken)
+    if accepted := [  # or a second copy of it
+        file for file in _called(wanted.name, student.files)
+        if taken and PurePosixPath(file.name).parent == wanted.parent
+    ]:  # fmt: skip
+        candidates = accepted
     elif not candidates:
         near = _near(first, student.files)
         candidates = near if len(near) == 1 else []
@@ -151,12 +145,6 @@ def sole_work(student: Student) -> str:
 
 def _is_python(file: HandedIn) -> bool:
     return file.name.lower().endswith(WORK)
-
-
-def _same_file(name: str, other: str) -> bool:
-    """Return whether two names are one file's, but for the suffix of a second copy."""
-    mine, theirs = PurePosixPath(name), PurePosixPath(other)
-    return bool(other) and mine.parent == theirs.parent and plain(mine.name) == plain(theirs.name)
 
 
 def _near(name: str, files: Sequence[HandedIn]) -> list[HandedIn]:
@@ -248,13 +236,13 @@ def _size(path: Path) -> int:
 
 
 def left_over(student: Student, used: Collection[HandedIn]) -> list[HandedIn]:
-    """Return the files that may be work under another name: Python, notebooks, archives."""
+    """Return the files that may be work under another name: Python, archives."""
     known = {id(file) for file in used}
-    return [file for file in student.files if id(file) not in known and _may_be_work(file.name)]
-
-
-def _may_be_work(name: str) -> bool:
-    return name.lower().endswith(WORK) or is_archive(name) or is_unread_archive(name)
+    return [
+        file for file in student.files
+        if id(file) not in known
+        and (_is_python(file) or is_archive(file.name) or is_unread_archive(file.name))
+    ]  # fmt: skip
 
 
 def _called(name: str, files: Sequence[HandedIn]) -> list[HandedIn]:

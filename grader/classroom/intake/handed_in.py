@@ -48,5 +48,4 @@ class Student:
 
     @property
     def who(self) -> list[Who]:
-        """How the downloads call them."""
         return [entry.who for _, entry in self.entries]

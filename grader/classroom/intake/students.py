@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import stat
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 from grader.classroom.intake import notebooks, whose
@@ -26,7 +27,6 @@ from grader.lms.unpack import (
     is_archive,
     is_unread_archive,
     unpack,
-    unpack_class,
 )
 from grader.lms.unpack import (
     LINK as NO_LINK,
@@ -35,6 +35,7 @@ from grader.lms.unpack import (
 MAX_LISTED = 20_000  # files of a student's folder that are listed
 MAX_NOTEBOOKS = 50  # of a student that are opened
 MAX_ARCHIVES = 10  # beside each other, of a student
+MAX_PACKED = 2  # archives in one another
 LINK = "a link, which is not followed; expected a folder or an archive"
 CLASS = "the work of several students, not of one; name it itself on the command line"
 UNREAD = f"an archive that is not read; ask for one of {', '.join(ARCHIVES)}"
@@ -95,7 +96,7 @@ def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
             f"of a learning platform ({', '.join(ARCHIVES)})"
         )
     try:
-        odd = unpack_class(source, room)
+        odd = unpack(source, room, of_class=True)
     except Broken as error:
         raise InputError(f"{source}: a broken archive ({error}); download it again") from None
     except Refused as refused:
@@ -104,9 +105,17 @@ def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
     return _unwrapped(room)
 
 
+def _wrapped(folder: Path) -> Iterator[Path]:
+    """Yield a folder, and each that is all that is in the one above, but for what systems leave."""
+    yield folder
+    there = [path for path in folder.iterdir() if may_enter(path.name) and path.name not in LITTER]
+    if len(there) == 1 and there[0].is_dir() and not there[0].is_symlink():
+        yield from _wrapped(there[0])
+
+
 def _unwrapped(room: Path) -> Path:
     """Return the folder with the entries of an unpacked download, as people pack it."""
-    while (inner := _only(room)) is not None:
+    for inner in islice(_wrapped(room), 1, None):
         if any(e.who.id for e in _entries(room).entries) or not _entries(inner).entries:
             break
         room = inner
@@ -115,11 +124,8 @@ def _unwrapped(room: Path) -> Path:
 
 def _download_in(source: Path) -> Path:
     """Return a platform's download in folders that hold nothing else; without one the source."""
-    folder = source
     try:
-        while (inner := _only(folder)) is not None and not _is_platforms(folder):
-            folder = inner
-        return folder if folder != source and _is_platforms(folder) else source
+        return next(filter(_is_platforms, _wrapped(source)), source)
     except OSError:  # a student's, which nobody may open
         return source
 
@@ -128,32 +134,18 @@ def _is_platforms(folder: Path) -> bool:
     return any(entry.who.system != "folder" for entry in _entries(folder).entries)
 
 
-def _only(folder: Path) -> Path | None:
-    """Return the one folder that holds all of another, but for what systems leave there."""
-    there = [path for path in folder.iterdir() if may_enter(path.name) and path.name not in LITTER]
-    one = len(there) == 1 and there[0].is_dir() and not there[0].is_symlink()
-    return there[0] if one else None
-
-
 def _is_class(folder: Path) -> bool:
     """Return whether a folder is a download, which people put into another and name that.
 
     Gradescope's metadata are not read: a class's may take minutes, which a student's file may not.
     """
     try:
-        if (_innermost(folder) / METADATA).exists():
+        if any((each / METADATA).exists() for each in _wrapped(folder)):
             return True
         people = [entry.who for entry in _entries(_unwrapped(folder)).entries]
     except (InputError, OSError):
         return False
     return len({who.id or who.name for who in people if who.system != "folder"}) > 1
-
-
-def _innermost(folder: Path) -> Path:
-    """Return the first folder that holds more than one other."""
-    while (inner := _only(folder)) is not None:
-        folder = inner
-    return folder
 
 
 def _entries(folder: Path, roster: Roster = NOBODY, scratch: Path | None = None) -> Read:
@@ -201,57 +193,42 @@ def _collect(
     if entry.path.is_symlink():
         student.problems.append(LINK)
         return
-    if not entry.path.is_dir():
-        _add_file(student, HandedIn(entry.path, called, entry, number), room, set_aside)
-        return
-    if entry.who.system == "folder" and _is_class(entry.path):
-        student.problems.append(f"{called}: {CLASS}")
-        return
-    found, links, closed = _files(entry.path)
-    student.links |= links
-    student.problems += [f"{each} can't be read" for each in closed]
-    handed_in = [
-        HandedIn(file, file.relative_to(entry.path).as_posix(), entry, number) for file in found
-    ]
-    _add_files(student, handed_in, room, set_aside)
+    files = [HandedIn(entry.path, called, entry, number)]
+    if entry.path.is_dir():
+        if entry.who.system == "folder" and _is_class(entry.path):
+            student.problems.append(f"{called}: {CLASS}")
+            return
+        found, links, closed = _files(entry.path)
+        student.links |= links
+        student.problems += [f"{each} can't be read" for each in closed]
+        files = [HandedIn(each, each.relative_to(entry.path).as_posix(), entry, number)
+                 for each in found]  # fmt: skip
+    student.files += _opened_up(student, files, room, set_aside)
 
 
-def _add_files(
-    student: Student, files: Sequence[HandedIn], room: Path, set_aside: list[SetAside]
-) -> None:
-    """Add files; where none is Python, what is in their archives counts."""
-    archives = [each for each in files if is_archive(each.name) or is_unread_archive(each.name)]
-    if len(archives) > MAX_ARCHIVES or any(each.name.lower().endswith(".py") for each in files):
-        archives = []
-    student.files += [each for each in files if each not in archives]
+def _opened_up(
+    student: Student, files: Sequence[HandedIn], room: Path, set_aside: list[SetAside],
+    deep: int = MAX_PACKED,
+) -> list[HandedIn]:  # fmt: skip
+    """Return files; where none is Python, what is in archives counts in their place."""
+    archives = [each for each in files if is_archive(each.name)
+                or (deep == MAX_PACKED and is_unread_archive(each.name))]  # fmt: skip
+    too_many = len(archives) > MAX_ARCHIVES
+    if not deep or too_many or any(each.name.lower().endswith(".py") for each in files):
+        return list(files)
+    found = [each for each in files if each not in archives]
     for number, archive in enumerate(archives):
-        _add_file(student, archive, room / f"{number}", set_aside)
-
-
-def _add_file(student: Student, file: HandedIn, room: Path, set_aside: list[SetAside]) -> None:
-    """Add a file, or what is in it if it is an archive, and in archives that are all it holds."""
-    found = _unpacked(student, file, room / "outer", set_aside)
-    archives = [each for each in found if is_archive(each.name)]
-    if (
-        file in found
-        or len(archives) > MAX_ARCHIVES
-        or any(each.name.lower().endswith(".py") for each in found)
-    ):
-        archives = []
-    student.files += [each for each in found if each not in archives]
-    for number, archive in enumerate(archives):
-        student.files += _unpacked(student, archive, room / f"inner{number}", set_aside)
+        inside = _unpacked(student, archive, room / f"{number}", set_aside)
+        found += _opened_up(student, inside, room / f"{number}.in", set_aside, deep - 1)
+    return found
 
 
 def _unpacked(
     student: Student, file: HandedIn, room: Path, set_aside: list[SetAside]
 ) -> list[HandedIn]:
-    """Return what is in an archive, or the file if it is none."""
     if is_unread_archive(file.name):
         student.problems.append(f"{file.name}: {UNREAD}")
         return []
-    if not is_archive(file.name):
-        return [file]
     try:
         odd = unpack(file.path, room)
     except Broken as error:
@@ -279,7 +256,6 @@ def _unpacked(
 
 
 def _open_notebooks(student: Student, room: Path) -> None:
-    """Add the files that the notebooks' cells write."""
     there = [file for file in student.files if file.name.lower().endswith(notebooks.SUFFIX)]
     for number, file in enumerate(there[:MAX_NOTEBOOKS]):
         try:

@@ -49,16 +49,6 @@ class Known:
     # student and exercise: the file that a person has accepted
     accepted: Mapping[tuple[str, str], str] = field(default_factory=dict)
 
-    def words(self, student: str) -> set[str]:
-        """Return how downloads have called a student."""
-        row = self.rows[student]
-        found = set(row.seen)
-        for each in row.handed.values():  # a store of schema 4 has no other
-            by_name = each.system != "folder" or student == student_id(each.name)
-            told = each.email or each.id if each.system == "gradescope" else each.id
-            found |= {word_of(each.system, told or each.name)} if by_name else set()
-        return found
-
 
 NOTHING_KNOWN = Known()
 
@@ -106,13 +96,12 @@ class _Class:
         self._read = read
         self._roster = roster
         self._known = known
-        self._seen = {word: row for row in known.rows for word in known.words(row)}
+        self._seen = {word: key for key, row in known.rows.items() for word in row.seen}
         self._found: dict[str, Student] = {}
         self._new: list[tuple[str, str, Any]] = []  # label, what tells it from others, its key
         self._folders: dict[Any, str] = {}  # of people by key, of others by their entries' word
 
     def students(self) -> list[Student]:
-        """Return everybody."""
         matches = self._matched()
         for person in self._roster.people:
             row = self._row_of(person)
@@ -221,14 +210,14 @@ class _Class:
                     return row.student
         for word in words:
             row_of = self._seen.get(word, "")
-            if row_of and not self._contrary(person, self._known.rows[row_of].person):
+            theirs = self._known.rows[row_of].person.ids if row_of else {}
+            contrary = any(person.ids.get(kind) and theirs.get(kind)
+                           and person.ids[kind].casefold() != theirs[kind].casefold()
+                           for kind in STRONG)  # fmt: skip
+            if row_of and not contrary:
                 return row_of
         return next((row.student for row in self._known.rows.values() if self._fits(person, row)),
                     "")  # fmt: skip
-
-    def _contrary(self, one: Person, other: Person) -> bool:
-        return any(one.ids.get(kind, "").casefold() != other.ids[kind].casefold()
-                   for kind in STRONG if other.ids.get(kind) and one.ids.get(kind))  # fmt: skip
 
     def _fits(self, person: Person, row: StudentRow) -> bool:
         """Return whether a row without ids is a person's, by the only name that both have."""

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from grader.classroom import marks
 from grader.classroom.amendments.log import described, undone_by
-from grader.classroom.marks import is_absent, is_graded, is_held, judged_ones, points_of, why_held
 from grader.classroom.results.check_pages import page_of
 from grader.classroom.results.items import ENOUGH, Distribution, Item, distribution, item_analysis
 from grader.classroom.results.options import ResultOptions
@@ -41,8 +41,11 @@ def class_page(
     results: Results, tasks: Sequence[Task], options: ResultOptions, missing: Sequence[str] = ()
 ) -> str:
     """Return the report's HTML; `missing` are other parts of the results that could not be made."""
-    by_slug = {task.slug: task for task in tasks}
-    held = [(one, by_slug[one.exercise], why_held(one)) for one in results if is_held(one)]
+    held = [
+        (one, marks.task_of(one.exercise), marks.why_held(one))
+        for one in results
+        if marks.is_held(one)
+    ]
     undone = dict(undone_by(options.log))
     versions = _versions(results)
     return render(
@@ -54,11 +57,11 @@ def class_page(
         missing=missing,
         facts=_facts(results, tasks, len(held)),
         held=held,
-        nothing=_nothing(results),
+        nothing=sorted(
+            {r.student for r in results} - {r.student for r in results if not marks.is_absent(r)}
+        ),
         exercises=[_exercise(results, task, options) for task in tasks],
-        sections=[
-            (title, _rows(mine, tasks)) for title, mine in sections_of(results, options).items()
-        ],
+        sections=_sections(results, tasks, options),
         tasks=tasks,
         students=list(_students(results, tasks, options)),
         changes=[
@@ -72,14 +75,23 @@ def class_page(
     )
 
 
-def sections_of(results: Results, options: ResultOptions) -> dict[str, list[StoredResult]]:
-    """Return the results by section of the roster, in order; {} if it has none."""
+def _sections(
+    results: Results, tasks: Sequence[Task], options: ResultOptions
+) -> list[tuple[str, list[tuple[Task, Results, Distribution]]]]:
+    """Return the results by section of the roster and by exercise; [] if it has no sections."""
     found: dict[str, list[StoredResult]] = {}
     for result in results:
         row = options.students.get(result.student)
         if row is not None and row.person.section:
             found.setdefault(row.person.section, []).append(result)
-    return dict(sorted(found.items()))
+    by_task = {
+        title: [(task, [r for r in mine if r.exercise == task.slug]) for task in tasks]
+        for title, mine in sorted(found.items())
+    }
+    return [
+        (title, [(task, theirs, distribution(theirs, task)) for task, theirs in each])
+        for title, each in by_task.items()
+    ]
 
 
 def _facts(results: Results, tasks: Sequence[Task], held: int) -> list[str]:
@@ -88,7 +100,7 @@ def _facts(results: Results, tasks: Sequence[Task], held: int) -> list[str]:
     facts = [
         plural(len({result.student for result in results}), "student"),
         plural(len(tasks), "exercise"),
-        plural(sum(map(is_graded, results)), "grading"),
+        plural(sum(map(marks.is_graded, results)), "grading"),
         f"{held} held" if held else "",
         f"{open_} not graded yet" if open_ else "",
         f"last graded {moment(last)}" if last else "",
@@ -96,16 +108,10 @@ def _facts(results: Results, tasks: Sequence[Task], held: int) -> list[str]:
     return [fact for fact in facts if fact]
 
 
-def _nothing(results: Results) -> list[str]:
-    """Return who handed in nothing at all."""
-    here = {result.student for result in results if not is_absent(result)}
-    return sorted({result.student for result in results} - here)
-
-
 def _exercise(results: Results, task: Task, options: ResultOptions) -> _Exercise:
     mine = [result for result in results if result.exercise == task.slug]
-    graded = [result for result in mine if is_graded(result)]
-    judged = judged_ones(graded)
+    graded = [result for result in mine if marks.is_graded(result)]
+    judged = marks.judged_ones(graded)
     ready = [(result.grading or {}).get("field_ready") for result in graded]
     asked = sum(value is not None for value in ready)
     return _Exercise(
@@ -120,23 +126,17 @@ def _exercise(results: Results, task: Task, options: ResultOptions) -> _Exercise
     )
 
 
-def _rows(mine: Results, tasks: Sequence[Task]) -> list[tuple[Task, Results, Distribution]]:
-    """Return a section's results by exercise."""
-    by_task = [(task, [r for r in mine if r.exercise == task.slug]) for task in tasks]
-    return [(task, theirs, distribution(theirs, task)) for task, theirs in by_task]
-
-
 def _students(
     results: Results, tasks: Sequence[Task], options: ResultOptions
 ) -> Iterator[tuple[str, str, list[tuple[StoredResult | None, Task]], float]]:
     """Return each student with the roster's name, where it says more, the results and the sum."""
-    found = {(result.student, result.exercise): result for result in results}
+    found = {result.key: result for result in results}
     for student in sorted({result.student for result in results}):
         row = options.students.get(student)
         called = row.person.label if row is not None else ""
         called = "" if called == student else called
         mine = [(found.get((student, task.slug)), task) for task in tasks]
-        points = [points_of(result, task) for result, task in mine if result is not None]
+        points = [marks.points_of(result) for result, _ in mine if result is not None]
         yield student, called, mine, sum(each for each in points if each is not None)
 
 

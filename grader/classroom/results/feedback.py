@@ -5,16 +5,15 @@ from __future__ import annotations
 import functools
 import hashlib
 import json
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
-from grader.classroom.marks import as_shown, points_of
+from grader.classroom.marks import as_shown, points_of, task_of
 from grader.classroom.results.files import write_text
 from grader.classroom.results.page import render
 from grader.classroom.row import StoredResult
 from grader.errors import InputError
 from grader.grading.withheld import hides_worlds, runs_for_students
-from grader.lms.book import Task
 from grader.lms.clean import one_line
 from grader.recording import Recording
 from grader.report.page import page_html, page_payload
@@ -26,9 +25,7 @@ LOST = (
 LONGEST_STAMP = 200  # [bytes]
 
 
-def write_page(
-    path: Path, result: StoredResult, task: Task, hidden: frozenset[str], bags: Path | None
-) -> Path:
+def write_page(path: Path, result: StoredResult, hidden: frozenset[str], bags: Path | None) -> Path:
     """Write the page of one grading, unless the one that is there was made of the same.
 
     A replay takes half a second to make, and a class has thousands.
@@ -38,26 +35,25 @@ def write_page(
     result = as_shown(result, hidden)  # the stamp is as public as the page
     changed = result.amended and (result.amended.points, result.amended.steps)
     made_of = (
-        _look(), sorted(hidden), bags is None, result.finished, result.student, task.title,
-        result.grading, result.file_names, changed,
+        _look(), sorted(hidden), bags is None, result.finished, result.student,
+        task_of(result.exercise).title, result.grading, result.file_names, changed,
     )  # fmt: skip
     text = json.dumps(made_of, sort_keys=True, default=str).encode("utf-8", "replace")
     stamp = f"<!-- {hashlib.sha256(text).hexdigest()} -->\n"
     if stamp != _stamp_of(path):
-        write_text(path, exercise_page(result, task, hidden, bags) + stamp)
+        write_text(path, exercise_page(result, hidden, bags) + stamp)
     return path
 
 
-def exercise_page(
-    result: StoredResult, task: Task, hidden: Collection[str], bags: Path | None
-) -> str:
+def exercise_page(result: StoredResult, hidden: Collection[str], bags: Path | None) -> str:
     """Return the page of one grading, of which all is for the student to see (`as_shown`)."""
+    task = task_of(result.exercise)
     title = f"{task.title}: {one_line(result.student, 60)}"
     steps = result.amended.steps if result.amended else ()
     if result.grading is None:  # a person gave the points
         return render("words.html", title, heading=task.heading, sentences=steps)
     grading = dict(result.grading)
-    if result.amended is not None and (points := points_of(result, task)) is not None:
+    if result.amended is not None and (points := points_of(result)) is not None:
         notes = [*(grading.get("notes") or ()), *steps]
         grading |= {"score": points, "max_score": task.points, "notes": notes}
     recordings = runs_for_students(_recordings(bags), hidden) if bags else []
@@ -65,11 +61,9 @@ def exercise_page(
     return page_html(page_payload(grading, recordings, title) | {"ask": ask})
 
 
-def index_page(
-    student: str, results: Sequence[StoredResult], tasks: Mapping[str, Task], course: str
-) -> str:
+def index_page(student: str, results: Sequence[StoredResult], course: str) -> str:
     """Return the page that a student opens first."""
-    mine = [(result, tasks[result.exercise]) for result in results]
+    mine = [(result, task_of(result.exercise)) for result in results]
     title = f"{course}: {one_line(student)}"
     return render("index.html", title, course=course, student=student, results=mine)
 

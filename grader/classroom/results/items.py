@@ -61,12 +61,10 @@ class Distribution:
 
     @property
     def mean(self) -> float | None:
-        """Mean."""
         return statistics.fmean(self.scores) if self.scores else None
 
     @property
     def median(self) -> float | None:
-        """Median."""
         return statistics.median(self.scores) if self.scores else None
 
     @property
@@ -90,8 +88,7 @@ class Distribution:
 
 
 def distribution(results: Sequence[StoredResult], task: Task) -> Distribution:
-    """Return the distribution of the scores that count."""
-    scores = sorted(p for p in (points_of(result, task) for result in results) if p is not None)
+    scores = sorted(p for p in map(points_of, results) if p is not None)
     bins = [0] * BINS
     for score in scores:
         bins[min(BINS - 1, int(BINS * score / task.points))] += 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import os
 from collections.abc import Collection, Mapping, Sequence
@@ -14,18 +13,14 @@ import msgspec
 
 from grader.classroom.account import Account
 from grader.classroom.amendments.log import Entry
+from grader.classroom.amendments.people import nearest
 from grader.classroom.results.similarity import Alike
 from grader.course.exercises import find_exercise
 from grader.errors import InputError
 from grader.lms.book import StudentRow
 from grader.lms.people import NOBODY, Roster
 
-HIDE = {
-    "nothing": "students see everything",
-    "field": "no field checks and none of their runs",
-    "worlds": "of a check the outcome and how the node ended; nothing that it said or did",
-    "details": "like worlds, and not how the node ended",
-}
+HIDE = ("nothing", "field", "worlds", "details")  # what each hides: grader.grading.withheld
 OPTIONS = "options"  # what the store calls what is kept of these
 KEPT = ("hide", "title", "notes", "account", "roster", "nbgrader", "columns")
 
@@ -38,8 +33,7 @@ class ResultOptions:
     title: str = "Bridging Python agents with rclpy"  # of the course
     notes: list[str] = field(default_factory=list)  # the batch's notes, a sentence each
     alike: Mapping[str, Alike] = field(default_factory=dict)  # by exercise, if compared
-    # what else is written: a file or a folder, what it is, and the files' paths from the report
-    files: Sequence[tuple[str, str, tuple[str, ...]]] = ()
+    files: Sequence[str] = ()  # the tables and zips beside the report
     workers: int = 1  # processes that make the feedback pages
     account: Account = field(default_factory=Account)  # what became of each file
     students: Mapping[str, StudentRow] = field(default_factory=dict)  # by `StoredResult.student`
@@ -56,9 +50,7 @@ class ResultOptions:
         """
         for word in self.hidden:
             if word not in HIDE:
-                near = difflib.get_close_matches(word, HIDE, n=1)
-                hint = f"did you mean {near[0]}?" if near else f"expected one of {', '.join(HIDE)}"
-                raise InputError(f"hide: unknown word {word!r}; {hint}")
+                raise nearest(word, HIDE, "word to hide")
 
     @property
     def replays_in(self) -> str:

@@ -81,7 +81,6 @@ def _seen(value: object) -> object:
 
 @functools.cache
 def _style(*, desk: bool) -> tuple[str, str]:
-    """Return the style sheet and its hash for the policy."""
     files = (TOKENS, TEMPLATES / "class.css", *([DESK / "desk.css"] if desk else []))
     style = "\n".join(path.read_text("utf-8").replace("\r\n", "\n") for path in files)
     return style, base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()

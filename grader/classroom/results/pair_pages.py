@@ -11,20 +11,10 @@ from typing import NamedTuple
 
 from msgspec.structs import replace
 
+from grader.classroom.results import similarity
 from grader.classroom.results.files import write_text
 from grader.classroom.results.page import render
 from grader.classroom.results.shapes import Statement, statements
-from grader.classroom.results.similarity import (
-    Alike,
-    Pair,
-    Sources,
-    Texts,
-    closest,
-    compared,
-    course_text,
-    given_shapes,
-    texts_of,
-)
 from grader.course.exercises import find_exercise
 from grader.link.cell import Refused, read_in_cell
 
@@ -54,8 +44,8 @@ class Gap(NamedTuple):
 
 
 def write_likeness(
-    out: Path, sources: Sources, earlier: Sources, title: str
-) -> dict[str, Alike]:  # fmt: skip
+    out: Path, sources: similarity.Sources, earlier: similarity.Sources, title: str
+) -> dict[str, similarity.Alike]:  # fmt: skip
     """Compare the submissions to each exercise, write the pages of pairs, return what came of it.
 
     Both map (student, slug) to files; `earlier` are those of earlier years.
@@ -63,12 +53,12 @@ def write_likeness(
     shutil.rmtree(out / LIKENESS, ignore_errors=True)
     found = {}
     for slug in sorted({slug for _, slug in sources}):
-        mine, old = texts_of(sources, slug), texts_of(earlier, slug)
-        alike = compared(mine, old, slug)
-        given = frozenset(given_shapes(slug).tolist())
+        mine, old = similarity.texts_of(sources, slug), similarity.texts_of(earlier, slug)
+        alike = similarity.compared(mine, old, slug)
+        given = frozenset(similarity.given_shapes(slug).tolist())
         every = [*alike.taken, *(pair for group in alike.groups for pair in group.pairs)]
         pages = {}
-        for number, pair in enumerate(closest(every)[:MOST_PAGES], 1):
+        for number, pair in enumerate(similarity.closest(every)[:MOST_PAGES], 1):
             pages[pair] = replace(pair, page=f"{LIKENESS}/{slug}/{number}.html")
             both = [_text(who, pair.file, {**mine, **old}) for who in (pair.left, pair.right)]
             write_text(out / pages[pair].page, _page(pair, slug, both, given, title))
@@ -113,12 +103,12 @@ def passages(
         at += max(length, 1)
 
 
-def _text(who: str, file: str, texts: Texts) -> bytes:
-    return texts[who][file] if who in texts else course_text(who)
+def _text(who: str, file: str, texts: similarity.Texts) -> bytes:
+    return texts[who][file] if who in texts else similarity.course_text(who)
 
 
 def _page(
-    pair: Pair, slug: str, both: Sequence[bytes], given: Collection[int], title: str
+    pair: similarity.Pair, slug: str, both: Sequence[bytes], given: Collection[int], title: str
 ) -> str:  # fmt: skip
     try:
         left, right = read_in_cell(statements, both, returns=list[list[Statement]])

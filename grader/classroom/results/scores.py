@@ -7,21 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from grader.classroom.marks import (
-    as_shown,
-    cap_of,
-    checks_of,
-    is_absent,
-    is_graded,
-    is_held,
-    points_of,
-    raw_points,
-    state_of,
-    why_held,
-)
+from grader.classroom import marks
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.row import GRADED, StoredResult, as_graded
-from grader.lms.book import Book, Mark, StudentRow, Task
+from grader.lms.book import Book, Mark, StudentRow
 from grader.lms.tables import Cell, Verbatim, csv_text
 
 SCORES = (
@@ -33,50 +22,39 @@ SCORES = (
 ID_FIRST = ("canvas", "id", "idnumber", "sis", "login", "email", "github")
 
 
-def scores_csv(
-    results: Sequence[StoredResult],
-    tasks: Mapping[str, Task],
-    students: Mapping[str, StudentRow] | None = None,
-) -> str:
-    """Return the table."""
-    known = students or {}
-    rows = [
-        _row(result, tasks[result.exercise], known.get(result.student, StudentRow("")))
-        for result in results
-    ]
+def scores_csv(results: Sequence[StoredResult], students: Mapping[str, StudentRow]) -> str:
+    rows = [_row(result, students.get(result.student, StudentRow(""))) for result in results]
     return csv_text([SCORES, *rows])
 
 
-def mark_of(result: StoredResult, task: Task, row: StudentRow | None = None) -> Mark:
+def mark_of(result: StoredResult, row: StudentRow | None = None) -> Mark:
     """Return what a gradebook needs of a result, as its student may see it."""
     changed = result.amended
     return Mark(
         result.exercise,
         row or StudentRow(result.student),
-        points_of(result, task),
-        (*(changed.steps if changed else ()), *filter(None, [cap_of(result)])),
-        checks_of(result),
+        marks.points_of(result),
+        (*(changed.steps if changed else ()), *filter(None, [marks.cap_of(result)])),
+        marks.checks_of(result),
         result.wall_s,
     )
 
 
-def book_of(
-    results: Sequence[StoredResult], tasks: Mapping[str, Task], options: ResultOptions
-) -> Book:
+def book_of(results: Sequence[StoredResult], options: ResultOptions) -> Book:
     """Return the class as the gradebooks see it: what was handed in, or has points."""
-    marks = [
-        mark_of(one, tasks[one.exercise], options.students.get(one.student))
-        for one in (as_shown(result, options.hidden) for result in results)
-        if not is_absent(one)
+    entries = [
+        mark_of(one, options.students.get(one.student))
+        for one in (marks.as_shown(result, options.hidden) for result in results)
+        if not marks.is_absent(one)
     ]
-    return Book(marks, options.students, options.roster, options.columns)
+    return Book(entries, options.students, options.roster, options.columns)
 
 
-def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
+def _row(result: StoredResult, row: StudentRow) -> list[Cell]:
     handed = row.handed.get(result.exercise)
     id_ = next((row.person.ids[kind] for kind in ID_FIRST if row.person.ids.get(kind)), "")
-    score, most, raw = raw_points(result) if is_graded(result) else (None, None, None)
-    core = [check for check in checks_of(result) if check.get("kind") != "field"]
+    score, most, raw = marks.raw_points(result) if marks.is_graded(result) else (None, None, None)
+    core = [check for check in marks.checks_of(result) if check.get("kind") != "field"]
     counts = [sum(c.get("outcome") == o for c in core) for o in ("pass", "fail", "skip")]
     ready = (result.grading or {}).get("field_ready")
     return [
@@ -85,9 +63,9 @@ def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
         Verbatim(id_ or (handed.id if handed else "")),
         row.person.section,
         result.exercise,
-        state_of(result),
-        points_of(result, task),
-        task.points,
+        marks.state_of(result),
+        marks.points_of(result),
+        marks.task_of(result.exercise).points,
         score,
         most,
         raw,
@@ -98,8 +76,8 @@ def _row(result: StoredResult, task: Task, row: StudentRow) -> list[Cell]:
         Verbatim(handed.time if handed else ""),
         "late" if handed and handed.late else "",
         result.finished,
-        why_held(result).reason if is_held(result) else result.problem,
-        points_of(as_graded(result), task) if result.amended else None,
+        marks.why_held(result).reason if marks.is_held(result) else result.problem,
+        marks.points_of(as_graded(result)) if result.amended else None,
         " ".join(result.amended.steps) if result.amended else "",
         *((result.amended and result.amended.style) or (None, None)),
     ]

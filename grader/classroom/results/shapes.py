@@ -32,12 +32,10 @@ def shapes_of(sources: Sequence[bytes]) -> list[list[int]]:
 
 
 def shapes(source: bytes) -> list[int]:
-    """Return the shapes of one file, in order."""
     return sorted(_Reader(source).shapes)
 
 
 def statements(sources: Sequence[bytes]) -> list[list[Statement]]:
-    """Return the statements of several files, as they are written."""
     return [sorted(_Reader(source).heads, key=lambda head: head[1:]) for source in sources]
 
 

@@ -120,7 +120,6 @@ def parts_of(files: Mapping[str, bytes], names: Sequence[str]) -> dict[str, byte
 
 
 def closest(pairs: Iterable[Pair]) -> list[Pair]:
-    """Return pairs in order, the most similar first."""
     return sorted(pairs, key=lambda pair: (-pair.similarity, pair.left, pair.right, pair.file))
 
 

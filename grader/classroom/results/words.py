@@ -31,7 +31,6 @@ def signed(value: float | None) -> str:
 
 
 def plural(n: int, word: str) -> str:
-    """Return a count with its noun."""
     return f"{n} {word}" if n == 1 else f"{n} {word}s"
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import contextlib
 import functools
 import shutil
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from itertools import groupby, product
 from pathlib import Path
 
-from grader.classroom.marks import as_shown, checks_of, is_graded, tasks_of
+from grader.classroom.marks import as_shown, checks_of, is_graded, task_of, tasks_of
 from grader.classroom.results.check_pages import CHECKS, check_pages
 from grader.classroom.results.class_page import class_page
 from grader.classroom.results.feedback import index_page, lost_page, write_page
@@ -36,8 +36,7 @@ ENDED = (
     "graded and logged is stored, and `course marks write {out}` writes the rest"
 )
 Results = Sequence[StoredResult]
-Tasks = Mapping[str, Task]  # by slug, in the order of the lesson
-OURS = {"scores.csv": "every grading, for a spreadsheet", "intake.csv": "what became of each file"}
+Tasks = Sequence[Task]  # in the order of the lesson
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,6 @@ class Written:
     missing: list[str] = field(default_factory=list)  # a line each
 
     def text(self, name: str, text: str) -> None:
-        """Write a file."""
         self.files.append(write_text(self.out / name, text))
 
     @contextlib.contextmanager
@@ -76,71 +74,55 @@ def write_results(
     Raises OSError: a full disk, or a folder that can't be written.
     """
     options, done = options or ResultOptions(), Written(out)
-    known, tasks = _in_order(results)
-    book = book_of(known, tasks, options)
-    _write_tables(known, tasks, options, done)
+    tasks = tasks_of(results)
+    known = sorted(results, key=lambda each: (each.student, task_of(each.exercise).number))
+    book = book_of(known, options)
+    done.text("scores.csv", BOM + scores_csv(known, options.students))
+    (out / "intake.csv").unlink(missing_ok=True)
+    if options.account.lines:
+        done.text("intake.csv", BOM + options.account.csv())
     _write_gradebooks(book, tasks, options, done)
-    for each in _made([r for r in known if r.student not in same], tasks, options, out):
+    for each in _made([r for r in known if r.student not in same], options, out):
         done.files.extend(each.files)
         done.missing.extend(each.missing)
     _write_feedback_zips(book, tasks, options, done)
     with done.part("the published feedback"):
-        _write_published(known, tasks, options, done, same)
+        _write_published(known, options, done, same)
     shutil.rmtree(out / CHECKS, ignore_errors=True)
     with done.part(CHECKS):
-        for name, text in check_pages(known, tasks.values(), options):
+        for name, text in check_pages(known, tasks, options):
             done.text(name, text)
-    options = replace(options, notes=[*options.notes, *book.remarks], files=_there(done))
-    _write_class_page(known, tasks, options, done)
-    return done
-
-
-def _in_order(results: Results) -> tuple[Results, Tasks]:
-    """Return what students handed in, with the exercises, in their orders."""
-    known = [result for result in results if not result.canary]
-    tasks = {task.slug: task for task in tasks_of(known)}
-    order = list(tasks)
-    return sorted(known, key=lambda each: (each.student, order.index(each.exercise))), tasks
-
-
-def _write_class_page(
-    results: Results, tasks: Tasks, options: ResultOptions, done: Written
-) -> None:
-    """Write class.html; if it can't be made, a bare page with what is missing."""
-    text = ""
+    tables = sorted(
+        path.relative_to(out).as_posix() for path in done.files if path.suffix in (".csv", ".zip")
+    )
+    options = replace(options, notes=[*options.notes, *book.remarks], files=tables)
+    page = ""
     with done.part(CLASS_PAGE):
-        text = class_page(results, list(tasks.values()), options, done.missing)
-    done.text(CLASS_PAGE, text or render("bare.html", "class report", missing=done.missing))
+        page = class_page(known, tasks, options, done.missing)
+    done.text(CLASS_PAGE, page or render("bare.html", "class report", missing=done.missing))
+    return done
 
 
 # --- gradebooks ----------------------------------------------------------------------------------
 
 
-def _write_tables(results: Results, tasks: Tasks, options: ResultOptions, done: Written) -> None:
-    done.text("scores.csv", BOM + scores_csv(results, tasks, options.students))
-    (done.out / "intake.csv").unlink(missing_ok=True)
-    if options.account.lines:
-        done.text("intake.csv", BOM + options.account.csv())
-
-
 def _write_gradebooks(book: Book, tasks: Tasks, options: ResultOptions, done: Written) -> None:
     """Write all files for gradebooks; older ones would be taken for this run's, and are removed."""
-    every = list(tasks.values())
     for platform in PLATFORMS:
-        if platform.what:
+        if platform.folder:
             shutil.rmtree(done.out / platform.folder, ignore_errors=True)
         with done.part(f"{platform.name}'s files"):
-            for name, text in platform.gradebook(book, every).items():
+            for name, text in platform.gradebook(book, tasks).items():
                 done.text(name, text)
     if options.nbgrader is not None:
         with done.part(f"nbgrader's gradebook {options.nbgrader}"):
-            write_into(options.nbgrader, book, every)
+            write_into(options.nbgrader, book, tasks)
 
 
 def _write_feedback_zips(book: Book, tasks: Tasks, options: ResultOptions, done: Written) -> None:
     """Write the feedback pages as platforms take them back: all, or those published."""
     shown = options.published
-    for platform, task in product(PLATFORMS, tasks.values()):
+    for platform, task in product(PLATFORMS, tasks):
         marks = [
             mark
             for mark, _ in book.marks(task)
@@ -155,27 +137,14 @@ def _write_feedback_zips(book: Book, tasks: Tasks, options: ResultOptions, done:
                 done.files.append(path)
 
 
-def _there(done: Written) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Return what was written for the report's last lines; of folders, the files in them."""
-    names = sorted(path.relative_to(done.out).as_posix() for path in done.files)
-    every = OURS | {each.folder: each.what for each in PLATFORMS if each.what}
-    found = []
-    for name, what in every.items():
-        inside = tuple(each for each in names if each == name or each.rpartition("/")[0] == name)
-        if inside:
-            found.append((name if inside == (name,) else f"{name}/", what, inside))
-    return found
-
-
 # --- students' pages -----------------------------------------------------------------------------
 
 
-def _made(results: Results, tasks: Tasks, options: ResultOptions, out: Path) -> Iterator[Written]:
-    """Make the pages, in several processes if there are many."""
+def _made(results: Results, options: ResultOptions, out: Path) -> Iterator[Written]:
     students = [list(mine) for _, mine in groupby(results, key=lambda result: result.student)]
     # what a process needs to know
     about = ResultOptions(options.hide, options.title)
-    make = functools.partial(_write_student, tasks, about, out)
+    make = functools.partial(_write_student, about, out)
     if options.workers == 1 or len(students) < MANY:
         yield from map(make, students)
         return
@@ -187,27 +156,26 @@ def _made(results: Results, tasks: Tasks, options: ResultOptions, out: Path) -> 
         raise GraderError(ENDED.format(out=out)) from None
 
 
-def _write_student(tasks: Tasks, options: ResultOptions, out: Path, results: Results) -> Written:
+def _write_student(options: ResultOptions, out: Path, results: Results) -> Written:
     """Write a student's pages; if one can't be made, one that says so takes the place of all."""
     student, done = results[0].student, Written(out)
     folder = out / "feedback" / student
     with done.part(f"the feedback of {one_line(student)}"):
         shown = [as_shown(result, options.hidden) for result in results]
-        index = index_page(student, shown, tasks, options.title)
+        index = index_page(student, shown, options.title)
         done.text(f"feedback/{student}/index.html", index)
         for result in results:
-            task = tasks[result.exercise]
-            page = folder / f"{task.slug}.html"
+            page = folder / f"{result.exercise}.html"
             if not is_graded(result):
                 page.unlink(missing_ok=True)  # from an earlier run; it no longer counts
                 continue
             # an absolute path stays itself
             bags = None if result.recordings is None else out / result.recordings
-            done.files.append(write_page(page, result, task, options.hidden, bags))
+            done.files.append(write_page(page, result, options.hidden, bags))
             failed = any(check.get("outcome") == "fail" for check in checks_of(as_graded(result)))
             if options.replays_in != "feedback" and bags is not None and failed:
                 mine = out / options.replays_in / folder.name / page.name
-                done.files.append(write_page(mine, result, task, frozenset(), bags))
+                done.files.append(write_page(mine, result, frozenset(), bags))
         return done
     for page in folder.glob("*.html"):
         page.unlink()
@@ -215,7 +183,7 @@ def _write_student(tasks: Tasks, options: ResultOptions, out: Path, results: Res
 
 
 def _write_published(
-    results: Results, tasks: Tasks, options: ResultOptions, done: Written, same: Collection[str]
+    results: Results, options: ResultOptions, done: Written, same: Collection[str]
 ) -> None:
     """Copy what students may see: the pages that are published, and no other.
 
@@ -224,7 +192,7 @@ def _write_published(
     folder, shown = done.out / PUBLISHED, options.published or ()
     there = set(folder.glob("*/*.html"))
     stay: set[Path] = set()
-    theirs = [each for each in results if (each.student, each.exercise) in shown]
+    theirs = [each for each in results if each.key in shown]
     for student, each in groupby(theirs, key=lambda result: result.student):
         mine = list(each)
         pages = [f"{one.exercise}.html" for one in mine if is_graded(one)]
@@ -234,7 +202,7 @@ def _write_published(
         if student in same and wanted == set((folder / student).glob("*.html")):
             continue
         shown_now = [as_shown(result, options.hidden) for result in mine]
-        index = index_page(student, shown_now, tasks, options.title)
+        index = index_page(student, shown_now, options.title)
         done.text(f"{PUBLISHED}/{student}/index.html", index)
         for name in pages:
             text = (done.out / "feedback" / student / name).read_text("utf-8")

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from handing_in import AGENT as FILE
+from handing_in import put
 
 from grader.classroom import engine
 from grader.classroom.batch import autograde
@@ -18,7 +20,6 @@ from grader.course.exercises import find_exercise
 from grader.grading.handed_in import isolation_problem
 
 SLUG = "obstacle_avoidance"
-FILE = "obstacle_avoidance_agent.py"
 MUTANT_FAILS = canaries_of(find_exercise(SLUG), Unit("", SLUG, {}))[-1].fails
 
 Judge = Callable[[Unit], UnitResult]
@@ -43,7 +44,7 @@ class Quiet:
 class FakeWorkers:
     """Runs the fake judge on the spot."""
 
-    local, slots = True, 2
+    slots = 2
 
     def __init__(self, judge: Judge, refusal: str = "") -> None:
         self.judge = judge
@@ -102,10 +103,7 @@ class Drifting:
 
 @pytest.fixture
 def handed_in(tmp_path: Path) -> Path:
-    for name in ("ann", "bob", "eve"):
-        (tmp_path / "in" / name).mkdir(parents=True)
-        (tmp_path / "in" / name / FILE).write_text(f"# {name}\n")
-    return tmp_path / "in"
+    return put(tmp_path / "in", *(f"{name}/{FILE}" for name in ("ann", "bob", "eve")))
 
 
 @pytest.fixture
@@ -127,6 +125,6 @@ def grade_class(
         graded = autograde(
             [handed_in], tmp_path / "out", Options(**options), quiet, regrade=regrade
         )
-        return {r.student: r for r in graded.results if not r.canary}, workers, quiet
+        return {r.student: r for r in graded.results}, workers, quiet
 
     return grade

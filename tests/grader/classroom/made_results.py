@@ -4,7 +4,6 @@ import importlib.util
 from pathlib import Path
 from typing import Any
 
-from grader.classroom.marks import tasks_of
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.scores import book_of, mark_of
 from grader.classroom.row import StoredResult
@@ -46,12 +45,10 @@ def result(student: str, *checks: dict[str, Any], **parts: Any) -> StoredResult:
 
 def book(results: list[StoredResult], **options: Any) -> Book:
     """The class as the gradebooks see it."""
-    tasks = {task.slug: task for task in tasks_of(results)}
-    return book_of(results, tasks, ResultOptions(**options))
+    return book_of(results, ResultOptions(**options))
 
 
 def for_gradescope(results: list[StoredResult], tasks: list[Task]) -> Any:
     """One student's results.json."""
-    by_slug = {task.slug: task for task in tasks}
     handed_in = [one for one in results if one.state != "not handed in" or one.amended]
-    return results_json([mark_of(one, by_slug[one.exercise]) for one in handed_in], tasks)
+    return results_json([mark_of(one) for one in handed_in], tasks)

@@ -13,7 +13,7 @@ import pytest
 from fake_class import grading
 from made_results import check
 
-from grader.classroom.amendments.change import Whom
+from grader.classroom.amendments.change import Score, Whom
 from grader.classroom.marking import marking
 from grader.classroom.work import Unit, UnitResult
 
@@ -48,6 +48,14 @@ def mark(graded: Path) -> Callable[..., dict[str, str]]:
         return points(graded)
 
     return mark
+
+
+def give(out: Path, who: str, points: float) -> None:
+    """Give somebody a score, as `course marks score` does."""
+    with marking(out) as class_:
+        task = class_.exercise("")
+        whom = class_.whom([who], "", everybody=False, task=task)
+        class_.add(Score(task.slug, points, whom), "prof", WHY)
 
 
 def scores(out: Path) -> dict[str, dict[str, str]]:

@@ -154,52 +154,36 @@ def test_a_node_writes_no_results_and_reads_no_secret(place: Path) -> None:
     assert sorted(path.name for path in (place / "source").iterdir()) == [SETTINGS, SECRET]
 
 
-def test_what_cannot_be_judged_has_no_results(
-    place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+GRADED_0 = UnitResult({"score": 0, "max_score": 100, "checks": [], "file": FILE})
+FAILED = UnitResult(None, "no host for the node")
+
+
+@pytest.mark.parametrize(
+    ("came", "layers", "none_runs", "tries", "said"),
+    [
+        (FAILED, {"files"}, "", 2, "no host for the node"),
+        (GRADED_0, {"files"}, "no shared memory", 1, "no shared memory"),  # the container's zero
+        (GRADED_0, {"limits", "calls"}, "", 0, "nothing keeps a node from the results"),
+        (GRADED_0, {"files"}, "", 1, ""),
+    ],
+)
+def test_what_is_not_the_students_is_no_score(
+    place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+    came: UnitResult, layers: set[str], none_runs: str, tries: int, said: str,
+) -> None:  # fmt: skip
     (place / "submission" / FILE).write_bytes(b"print()")
     (place / "results" / "results.json").write_text("of an earlier run")
-    tries = []
+    tried = []
+    monkeypatch.setattr(autograder, "grade_unit", lambda unit: tried.append(unit) or came)
+    monkeypatch.setattr(autograder, "why_none_runs", lambda: none_runs)
+    monkeypatch.setattr(autograder, "layers_here", lambda: frozenset(layers))
 
-    def fail(unit: object) -> UnitResult:
-        tries.append(unit)
-        return UnitResult(None, "no host for the node")
+    assert main([str(place)]) == bool(said)
 
-    monkeypatch.setattr(autograder, "grade_unit", fail)
-
-    assert main([str(place)]) == 1
-
-    assert len(tries) == 2
-    assert "no host for the node" in capsys.readouterr().out
-    assert not (place / "results" / "results.json").exists()
-
-
-@pytest.mark.parametrize(("why", "code"), [("no shared memory", 1), ("", 0)])
-def test_a_zero_of_the_containers_is_no_score(
-    place: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    why: str,
-    code: int,
-) -> None:
-    (place / "submission" / FILE).write_bytes(b"print()")
-    grading = {"score": 0, "max_score": 100, "checks": [], "file": FILE}
-    monkeypatch.setattr(autograder, "grade_unit", lambda unit: UnitResult(grading))
-    monkeypatch.setattr(autograder, "why_none_runs", lambda: why)
-
-    assert main([str(place)]) == code
-
-    assert why in capsys.readouterr().out
-    assert (place / "results" / "results.json").exists() == (code == 0)
-
-
-def test_without_isolation_nothing_runs(
-    place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(autograder, "layers_here", lambda: frozenset({"limits", "calls"}))
-
-    assert main([str(place)]) == 1
-    assert "nothing keeps a node from the results" in capsys.readouterr().out
+    assert len(tried) == tries
+    assert said in capsys.readouterr().out
+    there = place / "results" / "results.json"
+    assert (there.exists() and "earlier" not in there.read_text()) == (not said)
 
 
 def test_points_that_a_missing_library_took_are_scaled_as_in_a_class() -> None:
@@ -209,9 +193,7 @@ def test_points_that_a_missing_library_took_are_scaled_as_in_a_class() -> None:
         {**core, "id": "b", "outcome": "unavailable", "points": 0, "max_points": 50},
     ]
     grading = {"score": 50, "max_score": 50, "checks": checks, "file": FILE}
-    result = StoredResult(
-        "ann", SLUG, (FILE,), "", GRADED, grading, None, 0.1, 0.1, 1, "", "", False
-    )
+    result = StoredResult("ann", SLUG, (FILE,), "", GRADED, grading, None, 0.1, 1, "", "")
 
     found = composed([result], [(find_exercise("goal_seeking"), "expected a file x")], [])
 

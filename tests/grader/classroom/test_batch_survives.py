@@ -91,7 +91,7 @@ def test_killed_twice_and_resumed(handed_in: Path, undisturbed: Results, tmp_pat
     assert len(list((tmp_path / "recordings").glob("*/*"))) == 4
     assert "bob,,,,trend_memory,graded,13,100" in (tmp_path / "scores.csv").read_text("utf-8-sig")
     with Store(tmp_path / "store.sqlite") as store:
-        assert [entry.number for entry in store.log.entries()] == [1, 2]
+        assert [entry.number for entry in store.entries()] == [1, 2]
 
 
 def test_on_a_cluster_that_loses_a_worker(

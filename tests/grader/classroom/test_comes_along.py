@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from pathlib import Path
 
 import pytest
+from handing_in import AGENT as FILE
+from handing_in import put, taken
 
 from grader.classroom.candidates import find_class
 from grader.classroom.intake.exercise_files import find_files
-from grader.classroom.intake.students import take_in
 from grader.classroom.options import Options
 from grader.classroom.results.similarity import compared, parts_of
 from grader.course.exercises import find_exercise
 
 SLUG = "obstacle_avoidance"
-FILE = "obstacle_avoidance_agent.py"
 NODE = {FILE: b"import kit.eyes", "kit/eyes.py": b"1", "kit/a.yaml": b"2"}
 PACKAGE = {
     "package.xml": b"<package/>",
@@ -26,19 +25,6 @@ PACKAGE = {
     "mine/eyes.py": b"eyes",
     "launch/a.launch.py": b"",
 }
-
-
-def lay(folder: Path, files: dict[str, bytes]) -> None:
-    for name, data in files.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_bytes(data)
-
-
-def zipped(path: Path, files: dict[str, bytes]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with zipfile.ZipFile(path, "w") as archive:
-        for name, data in files.items():
-            archive.writestr(name, data)
 
 
 BARE = {name: data for name, data in PACKAGE.items() if not name.endswith("__init__.py")}
@@ -60,8 +46,8 @@ def test_through_each_platforms_format(place: str, files: dict[str, bytes], tmp_
     if place == "nbgrader":
         (tmp_path / "in" / "source").mkdir(parents=True)
     built = {"build/COLCON_IGNORE": b"", f"build/mine/{FILE}": b"old"}
-    (zipped if target.suffix == ".zip" else lay)(target, files | built)
-    (student,) = take_in([tmp_path / "in"], tmp_path / "scratch").students
+    put(target, **files, **built)
+    (student,) = taken(tmp_path / "in").students
     found = find_files(student, [FILE])
 
     assert {name: path.read_bytes() for name, path in found.every.items()} == files
@@ -71,21 +57,20 @@ def test_through_each_platforms_format(place: str, files: dict[str, bytes], tmp_
 @pytest.mark.parametrize("files", [NODE, PACKAGE], ids=["beside", "package"])
 def test_what_a_work_needs_is_no_missing_exercise(files: dict[str, bytes], tmp_path: Path) -> None:
     """Ben handed in another exercise, so Ann may have it under another name."""
-    lay(tmp_path / "in" / "ann" / "ws", files)
-    lay(tmp_path / "in" / "ann", {"goal.py": b"import goal_seeking"})
-    lay(tmp_path / "in" / "ben", {"goal_seeking_agent.py": b"work = 1"})
+    put(tmp_path / "in" / "ann" / "ws", **files)
+    put(tmp_path / "in" / "ann", **{"goal.py": "import goal_seeking"})
+    put(tmp_path / "in" / "ben", **{"goal_seeking_agent.py": "work = 1"})
     account = find_class([tmp_path / "in"], tmp_path / "scratch", Options()).account
     assert [line.file for line in account.faults] == ["goal.py"]
 
 
 def test_single_files_of_canvas_newest_first(tmp_path: Path) -> None:
-    for name, data in (
-        (f"leeann_12_345_{FILE}", b"old"), (f"leeann_12_346_{FILE[:-3]}-1.py", b"new"),
-        ("leeann_12_347_eyes-1.py", b"eyes"), ("leeann_12_348_model-2.onnx", b"m"),
-        ("benbob_13_349_eyes.py", b"ben's"),
-    ):  # fmt: skip
-        lay(tmp_path / "in", {name: data})
-    student = take_in([tmp_path / "in"], tmp_path / "scratch").students[-1]
+    files = {
+        f"leeann_12_345_{FILE}": "old", f"leeann_12_346_{FILE[:-3]}-1.py": "new",
+        "leeann_12_347_eyes-1.py": "eyes", "leeann_12_348_model-2.onnx": "m",
+        "benbob_13_349_eyes.py": "ben's",
+    }  # fmt: skip
+    student = taken(put(tmp_path / "in", **files)).students[-1]
     every = {name: path.read_bytes() for name, path in find_files(student, [FILE]).every.items()}
     assert every == {
         FILE: b"new", "eyes.py": b"eyes", "model-2.onnx": b"m", "model.onnx": b"m"
@@ -98,8 +83,8 @@ def test_a_notebooks_cells_and_what_lies_beside_it(tmp_path: Path) -> None:
         for name, text in ((FILE, "import eyes"), ("eyes.py", "SEEN = 1"), ("../out.py", "no"))
     ]
     book = json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells})
-    lay(tmp_path / "in" / "ann", {"a.ipynb": book.encode(), "model.onnx": b"m"})
-    (student,) = take_in([tmp_path / "in"], tmp_path / "scratch").students
+    put(tmp_path / "in" / "ann", **{"a.ipynb": book, "model.onnx": "m"})
+    (student,) = taken(tmp_path / "in").students
     assert set(find_files(student, [FILE]).every) == {FILE, "eyes.py", "model.onnx"}
 
 

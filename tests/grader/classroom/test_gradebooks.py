@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from handing_in import AGENT, put
 from importers import Canvas, MoodleAssignment
 from made_results import book as book_of
 from made_results import check, result
@@ -30,7 +31,6 @@ from grader.lms.sheets import read_roster
 from grader.nbgrader.class_scores import write_scores
 
 SLUG = "obstacle_avoidance"
-AGENT = f"{SLUG}_agent.py"
 (TASK,) = tasks_of([result("ann")])
 
 
@@ -42,19 +42,13 @@ def absent(student: str) -> StoredResult:
     return replace(result(student), state=ABSENT)
 
 
-def write(path: Path, text: str) -> Path:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text)
-    return path
-
-
 def taken(
     place: Path, names: Iterable[str], *sheets: str, held: str = ""
 ) -> tuple[list[StoredResult], dict[str, Any]]:
     """A class as intake makes it of a download: who handed in has 60 points, and Bob 37."""
-    for name in names:
-        write(place / "in" / name, "# mine\n")
-    roster = read_roster([write(place / f"{n}.csv", text) for n, text in enumerate(sheets)])
+    put(place / "in", *names)
+    tables = {f"{n}.csv": text for n, text in enumerate(sheets)}
+    roster = read_roster([put(place, **tables) / name for name in tables])
     options = Options(exercises=(SLUG,), roster=roster)
     found = find_class([place / "in"], place / "scratch", options)
     results = [

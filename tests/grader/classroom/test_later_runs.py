@@ -8,10 +8,9 @@ from typing import Any
 
 import pytest
 from fake_class import FILE, SLUG, fair
-from marked_class import points, scores
+from handing_in import put
+from marked_class import give, points, scores
 
-from grader.classroom.amendments.change import Score
-from grader.classroom.marking import marking
 from grader.course.exercises import find_exercise
 from grader.errors import InputError
 from grader.lms.people import Roster
@@ -61,8 +60,7 @@ def test_another_class_is_refused_and_who_is_gone_is_said(
     assert any("dropped, because nothing of them is there: Bob Ray" in line for line in said)
     for each in ("ann", "bo", "eve"):
         shutil.rmtree(handed_in / each)
-    (handed_in / "zoe").mkdir()
-    (handed_in / "zoe" / FILE).write_text("# mine\n")
+    put(handed_in, **{f"zoe/{FILE}": "# mine\n"})
     with pytest.raises(InputError, match=r"of its 3 students \(Ann Lee, bo, eve\) nobody is in"):
         grade_class(roster=roster)
 
@@ -74,8 +72,7 @@ def test_who_is_held_stays_so_when_others_are_added(
     grade_class(roster=roster)
     for each in ("ann", "bob", "eve"):
         (handed_in / each).rename(tmp_path / each)
-    (handed_in / "nob").mkdir()
-    (handed_in / "nob" / FILE).write_text("# late\n")
+    put(handed_in, **{f"nob/{FILE}": "# late\n"})
     said = grade_class(roster=roster, add=True)[2].lines
     assert scores(tmp_path / "out")["Bob Ray"]["state"] == "held"
     assert any("Kept as they were" in line and "Bob Ray" in line for line in said)
@@ -92,11 +89,8 @@ def test_a_mark_follows_who_hands_in_later(
     """With a submission and without a student is called by the roster's name."""
     out = tmp_path / "out"
     grade_class(roster=roster)
-    with marking(out) as class_:
-        task = class_.exercise("")
-        class_.add(Score(SLUG, 30, class_.whom(["3"], "", everybody=False, task=task)), "p", "oral")
-    (handed_in / "nob").mkdir()
-    (handed_in / "nob" / FILE).write_text("# late\n")
+    give(out, "3", 30)
+    put(handed_in, **{f"nob/{FILE}": "# late\n"})
     grade_class(roster=roster)
     assert "Ann Lee" in (out / "class.html").read_text()
     assert (points(out)["Nob Zed"], scores(out)["Nob Zed"]["points_as_graded"]) == ("30", "100")

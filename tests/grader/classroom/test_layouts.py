@@ -3,20 +3,15 @@
 import json
 import os
 import pwd
-import tarfile
-import zipfile
 from pathlib import Path
 
 import pytest
+from handing_in import AGENT, faults, graded, put, taken
 
 from grader.classroom.intake.exercise_files import find_files
-from grader.classroom.intake.students import Intake, take_in
 from grader.course.exercises import EXERCISES
 from grader.errors import InputError
 from grader.lms import unpack
-from grader.lms.sheets import read_roster
-
-AGENT = "obstacle_avoidance_agent.py"
 
 
 @pytest.fixture
@@ -24,31 +19,6 @@ def download(tmp_path: Path) -> Path:
     folder = tmp_path / "download"
     folder.mkdir()
     return folder
-
-
-def put(folder: Path, *names: str) -> None:
-    """Make files that hold their own names."""
-    for name in names:
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(f"# {name}\n")
-
-
-def taken(*sources: Path, roster: Path | None = None) -> Intake:
-    people = read_roster([roster] if roster else [])
-    return take_in(list(sources), sources[0].parent / "scratch", people)
-
-
-def graded(intake: Intake) -> dict[str, str]:
-    """Return what each student's graded file holds."""
-    found = {student.id: find_files(student, [AGENT]) for student in intake.students}
-    return {
-        id_: each.files[AGENT].read_text()[2:-1] if each.files else each.problem
-        for id_, each in found.items()
-    }
-
-
-def faults(intake: Intake) -> dict[str, str]:
-    return {each.name: each.reason for each in intake.set_aside if each.fault}
 
 
 # --- Canvas --------------------------------------------------------------------------------------
@@ -127,15 +97,13 @@ def test_moodle_folders_and_flat_files(download: Path) -> None:
 
 
 def test_anonymous_submissions_of_moodle_are_no_one_person(tmp_path: Path) -> None:
-    sources = []
-    for week, number in enumerate((41, 52)):
-        sources.append(tmp_path / f"week{week}")
-        folder = sources[-1] / f"Participant_{number}_assignsubmission_file"
-        folder.mkdir(parents=True)
-        (folder / AGENT).write_text(f"# {number}\n")
+    sources = [
+        put(tmp_path / f"week{number}", f"Participant_{number}_assignsubmission_file/{AGENT}")
+        for number in (41, 52)
+    ]
     sheet = tmp_path / "grades.csv"
     sheet.write_text("Identifier,Status,Grade\nParticipant 41,x,\nParticipant 43,,\n")
-    intake = take_in(sources, tmp_path / "scratch", read_roster([sheet]))
+    intake = taken(*sources, roster=sheet)
     people = {student.id: student.person is not None for student in intake.students}
     assert people == {"Participant 41": True, "Participant 43": True, "Participant 52": False}
 
@@ -143,8 +111,7 @@ def test_anonymous_submissions_of_moodle_are_no_one_person(tmp_path: Path) -> No
 @pytest.mark.parametrize("chosen", ["leecarla_12345_99999999", "leecarla_12345"])
 def test_nobody_hands_in_for_another_by_a_name_with_ids(download: Path, chosen: str) -> None:
     put(download, f"leecarla_12345_678901_{AGENT}")
-    with zipfile.ZipFile(download / f"{chosen}_777_888_mine.zip", "w") as archive:
-        archive.writestr(AGENT, "# evil\n")
+    put(download / f"{chosen}_777_888_mine.zip", **{AGENT: "# evil\n"})
     intake = taken(download)
     assert len(intake.students) == 1
     assert "evil" not in graded(intake)["leecarla_12345"]
@@ -199,8 +166,9 @@ def test_in_the_exchange_nobody_hands_in_under_anothers_name(download: Path) -> 
 
 
 def test_collected_work_of_nbgrader(download: Path) -> None:
-    put(download, f"submitted/ann/loop/{AGENT}", "source/loop/01.ipynb", "gradebook.db")
-    (download / "submitted/ann/loop/timestamp.txt").write_text("2026-05-04 10:11:12.123456 UTC\n")
+    put(download, *(f"{side}/ann/loop/{AGENT}" for side in ("submitted", "autograded", "feedback")),
+        "source/loop/01.ipynb", "gradebook.db",
+        **{"submitted/ann/loop/timestamp.txt": "2026-05-04 10:11:12.123456 UTC\n"})  # fmt: skip
     intake = taken(download)
     assert list(graded(intake)) == ["ann"]
     assert intake.students[0].files[0].entry.time.startswith("2026-05-04")
@@ -268,9 +236,8 @@ submission_103:
 
 
 def test_an_export_of_gradescope(download: Path) -> None:
-    put(download, *(f"submission_{n}/{AGENT}" for n in (101, 102, 104)))
-    (download / "submission_metadata.yml").write_text(METADATA)
-    intake = taken(download)
+    names = [f"submission_{n}/{AGENT}" for n in (101, 102, 104)]
+    intake = taken(put(download, *names, **{"submission_metadata.yml": METADATA}))
     assert graded(intake) == {
         "Ann Lee": f"submission_101/{AGENT}",
         "Bob Ray": f"submission_102/{AGENT}",
@@ -285,17 +252,15 @@ def test_of_two_submissions_to_gradescope_the_later_counts(download: Path) -> No
     times = ("2026-03-29 02:30:00.0 +02:00", "2026-03-29 01:45:00.0 Z", "2026-03-28T20:00:00-04:00")
     told = [f"submission_{n}:\n  :submitters:\n  - :name: No\n    :sid: 0012\n"
             f"  :created_at: {time}\n" for n, time in enumerate(times)]  # fmt: skip
-    put(download, *(f"submission_{n}/{AGENT}" for n in range(3)))
-    (download / "submission_metadata.yml").write_text("".join(told))
-    intake = taken(download)
+    names = [f"submission_{n}/{AGENT}" for n in range(3)]
+    intake = taken(put(download, *names, **{"submission_metadata.yml": "".join(told)}))
     assert graded(intake) == {"No": f"submission_1/{AGENT}"}
     assert intake.students[0].who[0].id == "0012"  # as it is written, in no other number's form
 
 
 @pytest.mark.parametrize("text", ["- 1\n", "a: [", "!!python/object/apply:os.system [id]", "\0"])
 def test_metadata_that_are_none(download: Path, text: str) -> None:
-    put(download, f"submission_1/{AGENT}")
-    (download / "submission_metadata.yml").write_text(text)
+    put(download, f"submission_1/{AGENT}", **{"submission_metadata.yml": text})
     with pytest.raises(InputError, match="expected Gradescope's metadata"):
         taken(download)
 
@@ -312,15 +277,14 @@ def test_nodes_in_notebooks_are_files(download: Path) -> None:
     skeleton = (EXERCISES / "goal_seeking" / "goal_seeking_agent.py").read_text()
     untouched = f"%%node goal_seeking_agent.py\n{skeleton}\n"
     mine = f"%%node {AGENT}\n# mine\n"
-    for name, text in {
+    files = {
         "ann_1_2_01_loop.ipynb": notebook("1/0", f"%%node {AGENT}\n# first\n", mine, untouched),
         "bob_2_3_01_loop.ipynb": notebook(untouched),
         "cy_3_4_01_loop.ipynb": "{",
         "dee_4_5_01_loop.ipynb": notebook(mine),
         f"dee_4_6_{AGENT}": "# loose\n",
-    }.items():
-        (download / name).write_text(text)
-    intake = taken(download)
+    }
+    intake = taken(put(download, **files))
     assert graded(intake)["ann_1"] == "mine"
     assert "still the skeleton" in graded(intake)["bob_2"]
     assert graded(intake)["cy_3"].startswith("01_loop.ipynb: it is not JSON")
@@ -332,13 +296,9 @@ def test_nodes_in_notebooks_are_files(download: Path) -> None:
 
 
 def test_a_download_may_stay_packed(tmp_path: Path) -> None:
-    with zipfile.ZipFile(tmp_path / "submissions.zip", "w") as archive:
-        archive.writestr(f"leecarla_12345_678901_{AGENT}", "# one\n")
-        archive.writestr("__MACOSX/._x", "")
-    put(tmp_path, f"inner/everything/Bob_22_assignsubmission_file/{AGENT}")
-    with tarfile.open(tmp_path / "moodle.tgz", "w:gz") as archive:
-        archive.add(tmp_path / "inner", "all")
-    intake = taken(tmp_path / "submissions.zip", tmp_path / "moodle.tgz")
+    flat = put(tmp_path / "submissions.zip", f"leecarla_12345_678901_{AGENT}", "__MACOSX/._x")
+    deep = put(tmp_path / "moodle.tgz", f"all/everything/Bob_22_assignsubmission_file/{AGENT}")
+    intake = taken(flat, deep)
     assert sorted(graded(intake)) == ["Bob", "leecarla_12345"]
 
 
@@ -352,11 +312,12 @@ def test_what_is_no_download(tmp_path: Path, name: str) -> None:
 
 def test_one_cannot_keep_out_the_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(unpack, "CUT", 1024 * 1024)
-    with zipfile.ZipFile(tmp_path / "class.zip", "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr(f"ann_1_2_{AGENT}", "# fine\n")
-        archive.writestr(f"eve_2_3_{AGENT}", b"#" * 8 * 1024 * 1024)
-        archive.writestr("eve_2_4_bomb.zip", bytes(16 * 1024 * 1024))
-    intake = taken(tmp_path / "class.zip")
+    files = {
+        f"ann_1_2_{AGENT}": "# fine\n",
+        f"eve_2_3_{AGENT}": b"#" * 8 * 1024 * 1024,
+        "eve_2_4_bomb.zip": bytes(16 * 1024 * 1024),
+    }
+    intake = taken(put(tmp_path / "class.zip", **files))
     assert graded(intake)["ann_1"] == "fine"
     assert "broken archive" in intake.students[1].problem
     assert sum("cut off" in reason for reason in faults(intake).values()) == 2
@@ -375,12 +336,9 @@ def test_an_impossible_name_cannot_keep_out_the_others(
     tmp_path: Path, names: tuple[str, ...], why: str
 ) -> None:
     room = "Eve Bad_102_assignsubmission_file"
-    with zipfile.ZipFile(tmp_path / "class.zip", "w") as archive:
-        archive.writestr(f"Ann Lee_101_assignsubmission_file/{AGENT}", "# fine\n")
-        for name in names:
-            archive.writestr(f"{room}/{name}", "evil")
-        archive.writestr(f"Zoe Ok_103_assignsubmission_file/{AGENT}", "# fine\n")
-    intake = taken(tmp_path / "class.zip")
+    others = [f"{who}_assignsubmission_file/{AGENT}" for who in ("Ann Lee_101", "Zoe Ok_103")]
+    every = (others[0], *(f"{room}/{name}" for name in names), others[1])
+    intake = taken(put(tmp_path / "class.zip", *every))
     assert {"Ann Lee", "Zoe Ok"} <= graded(intake).keys()
     assert any(why in reason for reason in faults(intake).values())
     assert not list(tmp_path.rglob("x.py"))
@@ -395,10 +353,9 @@ def test_links_in_a_download_are_not_followed(download: Path, tmp_path: Path) ->
 
 
 def test_the_roster_may_lie_beside_the_work(download: Path) -> None:
-    put(download, f"ann/{AGENT}", "notes.pdf")
-    roster = download / "class.csv"
-    roster.write_text("id,name,section\n1,ann,A\n2,Bob Ray,B\n")
-    intake = taken(download, roster=roster)
+    rows = "id,name,section\n1,ann,A\n2,Bob Ray,B\n"
+    put(download, f"ann/{AGENT}", "notes.pdf", **{"class.csv": rows})
+    intake = taken(download, roster=download / "class.csv")
     assert faults(intake).keys() == {"notes.pdf"}
     assert {s.id: s.person.section for s in intake.students if s.person} == {
         "ann": "A",
@@ -407,8 +364,7 @@ def test_the_roster_may_lie_beside_the_work(download: Path) -> None:
 
 
 def test_canvas_archives_are_unpacked(download: Path) -> None:
-    with zipfile.ZipFile(download / "ann_1_22_homework.zip", "w") as archive:
-        archive.writestr(f"src/{AGENT}", "# packed\n")
+    put(download / "ann_1_22_homework.zip", **{f"src/{AGENT}": "# packed\n"})
     put(download, "bob_2_23_homework.rar", "cy_3_24_homework.7z")
     intake = taken(download)
     assert graded(intake)["ann_1"] == "packed"
@@ -419,9 +375,8 @@ def test_canvas_archives_are_unpacked(download: Path) -> None:
 
 
 def test_two_assignments_of_moodle_are_one_class(tmp_path: Path) -> None:
-    one, two = tmp_path / "one", tmp_path / "two"
-    put(one, f"Ann Lee_4711_assignsubmission_file/{AGENT}")
-    put(two, "Ann Lee_5822_assignsubmission_file/goal_seeking_agent.py")
+    one = put(tmp_path / "one", f"Ann Lee_4711_assignsubmission_file/{AGENT}")
+    two = put(tmp_path / "two", "Ann Lee_5822_assignsubmission_file/goal_seeking_agent.py")
     (ann,) = taken(one, two).students
     assert find_files(ann, [AGENT]).files
     assert find_files(ann, ["goal_seeking_agent.py"]).files

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import io
 import re
 from collections.abc import Callable
@@ -21,11 +22,11 @@ from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import the_student
 from grader.classroom.folder import UNWRITTEN
 from grader.classroom.marking import marking, reading
-from grader.classroom.marks import points_of, tasks_of
+from grader.classroom.marks import points_of
 from grader.classroom.results import write
 from grader.classroom.row import GRADED, HELD
 from grader.classroom.store import Store
-from grader.errors import InputError
+from grader.errors import DiskFull, GraderError, InputError
 from grader.lms.book import Handed, StudentRow
 from grader.lms.people import Person
 from grader.lms.sheets import read_roster
@@ -73,7 +74,7 @@ def test_a_waived_check_frees_nobody_who_is_held_for_something_else(
     mark: Callable[..., Any], graded: Path
 ) -> None:
     with Store(graded / "store.sqlite") as store:
-        store.hold(("bob", SLUG), "the grader could not be trusted")
+        store.hold(("bob", SLUG), "the grader could not be trusted: it could not judge wiring")
     assert mark(Waive(SLUG, "slow_zone"))["bob"] == ""
     assert scores(graded)["bob"]["state"] == HELD
 
@@ -138,6 +139,33 @@ def test_a_regrade_and_another_run_keep_the_marks(
     assert "for an earlier submission, and still counts; look at it again: ann" in page
 
 
+# --- nothing that goes wrong loses an entry ----------------------------------------------------
+
+
+@pytest.mark.parametrize("ends", [KeyboardInterrupt(), OSError(errno.ENOSPC, "full")])
+def test_what_ends_while_results_are_written_is_in_the_log(
+    graded: Path, monkeypatch: pytest.MonkeyPatch, ends: BaseException
+) -> None:
+    def end(*_: object) -> None:
+        raise ends
+
+    with monkeypatch.context() as patch:
+        patch.setattr("grader.classroom.folder.write_results", end)
+        with pytest.raises((KeyboardInterrupt, DiskFull)) as caught, marking(graded) as class_:
+            class_.add(Score(SLUG, 85, ANN), "prof", WHY)
+    if isinstance(caught.value, DiskFull):
+        assert "course marks write" in str(caught.value)
+    assert points(graded)["ann"] == "70"
+    with marking(graded) as class_:
+        class_.write()
+    assert points(graded)["ann"] == "85"
+
+
+def test_two_at_once(graded: Path) -> None:
+    with marking(graded), pytest.raises(GraderError, match="another"), marking(graded):
+        pass
+
+
 # --- whom and what ---------------------------------------------------------------------------
 
 
@@ -159,7 +187,7 @@ def test_nobody_and_nothing_is_guessed(graded: Path) -> None:
         with pytest.raises(InputError, match="unknown exercise of this class '3'; there are: obst"):
             class_.exercise("3")
         with pytest.raises(InputError, match="expected the reason"):
-            class_.store.log.append(Undo(1), "prof", "  ")
+            class_.store.log(Undo(1), "prof", "  ")
 
 
 @pytest.mark.parametrize(
@@ -187,13 +215,10 @@ def test_people_are_called_as_gradebooks_do(word: str, said: str) -> None:
         the_student(word, list(names), rows)
 
 
-def test_a_folder_that_is_no_class(tmp_path: Path) -> None:
+def test_a_folder_without_a_graded_class(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="expected the folder that"), marking(tmp_path):
         pass
     assert not list(tmp_path.iterdir())
-
-
-def test_a_store_into_which_nothing_was_graded(tmp_path: Path) -> None:
     with Store(tmp_path / "store.sqlite"):
         pass
     with pytest.raises(InputError, match="nothing was graded here yet"), marking(tmp_path):
@@ -223,8 +248,7 @@ def test_days_grace_and_cap(time: str, points_: str, tmp_path: Path) -> None:
     entries = [Entry(1, "", "", rule, "")]
     results = [result(name, *CHECKS) for name in ("ann", "bob")]
     (ann, bob), _ = amended(results, entries, {})
-    task = tasks_of(results)[0]
-    assert (points_of(ann, task), points_of(bob, task)) == (float(points_), 70)
+    assert (points_of(ann), points_of(bob)) == (float(points_), 70)
 
 
 def test_more_time_for_one_and_nothing_below_zero(mark: Callable[..., Any], graded: Path) -> None:

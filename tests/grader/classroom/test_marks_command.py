@@ -11,10 +11,13 @@ import click
 import pytest
 from click.testing import CliRunner
 from fake_class import FILE, SLUG, fair, grading
+from handing_in import put
 from marked_class import points
 
 from grader.classroom import batch
 from grader.classroom.options import Options
+from grader.classroom.row import GRADED, WAITING
+from grader.classroom.store import Store
 from grader.classroom.work import Unit, UnitResult
 from grader.cli import cli
 from grader.errors import GraderError, InputError
@@ -105,8 +108,7 @@ def test_wrong_usage_changes_nothing(course: Course, command: str, said: str) ->
 def test_students_called_like_an_option(
     grade_class: Any, handed_in: Path, course: Course, graded: Path
 ) -> None:
-    (handed_in / "--all").mkdir()
-    (handed_in / "--all" / FILE).write_text("#\n")
+    put(handed_in, **{f"--all/{FILE}": "#\n"})
     grade_class()
     _, said = course("marks score", 1, "--student", "--all", "--why", "--by")
     assert "(all)" in said  # `tar *` would take the dashes for an option
@@ -187,6 +189,8 @@ def test_after_ctrl_c_what_is_there_is_complete(grade_class: Any, tmp_path: Path
     with pytest.raises(KeyboardInterrupt):
         grade_class(interrupted)
     out = tmp_path / "out"
+    with Store(out / "store.sqlite") as store:
+        assert [result.state for result in store.results()] == [GRADED, GRADED, WAITING]
     assert points(out) == {"ann": "100", "bob": "100", "eve": ""}
     assert "1 not graded yet" in (out / "class.html").read_text()
     for name in ("ann", "bob"):

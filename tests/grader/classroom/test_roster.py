@@ -36,8 +36,8 @@ def read(tmp_path: Path, *texts: str | bytes) -> Roster:
 
 
 def name_of(roster: Roster, *asked: str) -> str:
-    person = roster.find(*asked)
-    return person.label if person else ""
+    people = roster.match(*asked).people
+    return people[0].label if len(people) == 1 else ""
 
 
 def test_canvas(tmp_path: Path) -> None:

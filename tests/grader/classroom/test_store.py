@@ -66,7 +66,7 @@ def test_who_is_gone_is_forgotten_in_these_exercises_only(tmp_path: Path) -> Non
     with Store(tmp_path / "s") as store:
         for key in (ANN, BOB, other):
             store.enter(key, "h")
-        assert store.keep_only([ANN], ["goal_seeking"]) == 1
+        store.keep_only([ANN], ["goal_seeking"])
         assert [(r.student, r.exercise) for r in store.results()] == [ANN, other]
 
 

@@ -5,12 +5,9 @@ Each file says whose it is by a number, and the judge gives that many points.
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import io
-import json
 import shutil
-import sqlite3
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -19,9 +16,9 @@ from typing import Any
 
 import pytest
 from fake_class import FILE, SLUG, grading
-from marked_class import points, scores
+from importers import MOODLE
+from marked_class import give, points, scores
 
-from grader.classroom.amendments.change import Score
 from grader.classroom.marking import Marking, marking
 from grader.classroom.store import Store
 from grader.classroom.work import Unit, UnitResult
@@ -140,30 +137,19 @@ def table(header: str, row: Callable[[Student], Sequence[object]]) -> Callable[.
     return text
 
 
-def worksheet(*words: str) -> Callable[..., str]:
-    return table(
-        ",".join(words[1:]),
-        lambda s: (f"{words[0]}{700 + s.number}", s.name, f"{s.login}@uni.edu", "-", "",
-                   "100,00" if words[0] != "Participant " else "100.00",
-                   "Ja" if words[0] != "Participant " else "Yes", "-", "-"),
-    )  # fmt: skip
+def worksheet(language: str) -> Callable[..., str]:
+    hidden, *headings, _, yes, _, _ = MOODLE[language]
+    most = "100,00" if language == "de" else "100.00"
+    return table(",".join(headings), lambda s: (
+        f"{hidden}{700 + s.number}", s.name, f"{s.login}@uni.edu", "-", "", most, yes, "-", "-"
+    ))  # fmt: skip
 
 
-# the words of lang/de/assign.php, grades.php and moodle.php
-GERMAN = (
-    "Teilnehmer/in", "ID", "Vollständiger Name", "E-Mail-Adresse", "Status", "Bewertung",
-    "Beste Bewertung", "Bewertung kann geändert werden", "Zuletzt geändert (Abgabe)",
-    "Zuletzt geändert (Bewertung)",
-)  # fmt: skip
-ENGLISH = (
-    "Participant ", "Identifier", "Full name", "Email address", "Status", "Grade",
-    "Maximum grade", "Grade can be changed", "Last modified (submission)", "Last modified (grade)",
-)  # fmt: skip
 PLATFORMS: dict[str, tuple[Put, Callable[..., str]]] = {
     "canvas": (canvas, table("Student,ID,SIS Login ID,Section", lambda s: (
         f"{s.last}, {s.first}", 1000 + s.number, s.login, "A"))),
-    "moodle": (in_folders(moodles), worksheet(*ENGLISH)),
-    "moodle in German": (in_folders(moodles), worksheet(*GERMAN)),
+    "moodle": (in_folders(moodles), worksheet("en")),
+    "moodle in German": (in_folders(moodles), worksheet("de")),
     "gradescope": (gradescope, table("First Name,Last Name,SID,Email,Role", lambda s: (
         s.first, s.last, s.number, f"{s.login}@uni.edu", "Student"))),
     "github": (github, table("identifier,github_username,github_id,name", lambda s: (
@@ -221,9 +207,7 @@ def test_everybody_is_themselves(
     assert graded_as(out, roster) == expected
     assert {row["state"] for row in scores(out).values()} == {"graded", "not handed in"}
     twin = folder_of(out, roster, 1)
-    with marking(out) as class_:
-        whom = class_.whom([twin], "", everybody=False, task=class_.exercise(""))
-        class_.add(Score(SLUG, 42, whom), "prof", "agreed")
+    give(out, twin, 42)
 
     # another order, a late twin, everybody once more
     hand_in([each for each in reversed(everybody) if each.number != ABSENT], 1)
@@ -281,10 +265,7 @@ def test_without_a_roster_a_namesake_is_nobody_known(
     late, there = people(2)
     in_folders(moodles)(handed_in, [there], 0)
     grade_class(judge)
-    with marking(tmp_path / "out") as class_:
-        whom = class_.whom(["Ann Lee"], "", everybody=False, task=class_.exercise(""))
-        class_.add(Score(SLUG, 42, whom), "prof", "agreed")
-    as_of_schema_4(tmp_path / "out" / "store.sqlite")
+    give(tmp_path / "out", "Ann Lee", 42)
     in_folders(moodles)(handed_in, [late], 0)
     grade_class(judge)
     mine = points(tmp_path / "out")
@@ -297,17 +278,6 @@ def test_without_a_roster_a_namesake_is_nobody_known(
         assert points(tmp_path / "out")["Ann Lee"] == "42"
         (held,) = (row for row in scores(tmp_path / "out").values() if row["state"] == "held")
         assert "it may be Ann Lee or Ann Lee~" in held["problem"]
-
-
-def as_of_schema_4(store: Path) -> None:
-    """Make a store say no more than an earlier version wrote."""
-    with contextlib.closing(sqlite3.connect(store)) as db:
-        (text,) = db.execute("SELECT text FROM kept WHERE name='students'").fetchone()
-        rows = [{k: v for k, v in row.items() if k not in ("seen", "unsure")}
-                for row in json.loads(text)]  # fmt: skip
-        db.execute("UPDATE kept SET text=? WHERE name='students'", (json.dumps(rows),))
-        db.execute("PRAGMA user_version=4")
-        db.commit()
 
 
 # --- groups --------------------------------------------------------------------------------------
@@ -368,9 +338,7 @@ def test_a_group_is_graded_once_for_each_of_its_members(
     assert len(workers.students) == 2
     mine = [folder_of(out, roster, number) for number in range(3)]
     assert points(out) == dict(zip(mine, ("30", "30", "4"), strict=True))
-    with marking(out) as class_:
-        whom = class_.whom([mine[1]], "", everybody=False, task=class_.exercise(""))
-        class_.add(Score(SLUG, 10, whom), "prof", "did less")
+    give(out, mine[1], 10)
     grade_class(judge, roster=roster, secret=b"0123456789abcdef")
     assert points(out) == dict(zip(mine, ("30", "10", "4"), strict=True))
     assert "No two of 2 submissions are nearly" in (out / "class.html").read_text()
