@@ -50,7 +50,7 @@ WEB = (
 # The rooms of the course that a page needs
 COURSE = re.compile(
     rf"sim/(?!live/)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
-    rf"|workspace/(runtime|stacks|trials|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
+    rf"|workspace/(runtime|stacks|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
     r"|grader/(?!exercises|authoring|classroom|drive/(search/|delay|mishaps)|lms"
     r"|nbgrader|notebook|testing|models/expert|trial/real_time"
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"

@@ -24,6 +24,7 @@ from grader.errors import GraderError, InputError
 from workspace.build import EPOCH, EXERCISES, npm, pack, released, run
 
 HERE = Path(__file__).resolve().parent
+TRAINED = {"ml_velocity", "model_formats"}  # their notebooks train models: scikit-learn, 26 MB
 CORE = ("pyodide.js", "pyodide.asm.js", "pyodide.asm.wasm", "python_stdlib.zip")
 OF_KERNELS = ("ipython", "jedi", "matplotlib", "micropip", "numpy", "sqlite3", "ssl")
 FROM_INDEX = ("comm",)  # what Pyodide's release lacks
@@ -52,7 +53,7 @@ def main(arguments: list[str]) -> int:
 
 def _lite(work: Path) -> None:
     """Let JupyterLite build its own part."""
-    left_out = {exercise.slug for exercise in all_exercises()} - set(EXERCISES)
+    left_out = {exercise.slug for exercise in all_exercises()} - set(EXERCISES) | TRAINED
     (work / "contents").mkdir()
     for path, content in without(notebooks(work), left_out).items():
         (work / "contents" / Path(path).name).write_bytes(content)

@@ -13,9 +13,9 @@ from grader.course.exercises import Exercise
 from grader.errors import GraderError
 from grader.grading.grading import grade
 from grader.grading.plugin import UNAVAILABLE
+from grader.trial.page import PageTrials
 from sim.messages import typestore
 from sim.scenario_files import load_scenario
-from workspace.trials import PageTrials
 
 
 class _Marks:

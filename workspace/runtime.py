@@ -233,7 +233,7 @@ class Runtime:
     def _grading(self, wanted: dict[str, Any]) -> Grading:
         from grader.course.exercises import find_exercise
         from grader.grading.grading import grade
-        from workspace.trials import PageTrials
+        from grader.trial.page import PageTrials
 
         return grade(
             find_exercise(wanted["exercise"]),

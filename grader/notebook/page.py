@@ -22,8 +22,8 @@ from grader.link.settings import IN_BROWSER
 from grader.notebook.answers import graded
 from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Order, Problem, Progressed
 from grader.recording import Recording
+from grader.trial.page import PageTrials
 from grader.trial.progress import TRIAL, OnProgress, Step
-from grader.trial.trials import Trials
 
 FOLDER = "/home/reader"  # of the node, in the worker
 PATIENCE = 30.0  # [s] without a word of a trial
@@ -131,12 +131,14 @@ class Worker:
     def run(
         self, call: str, order: Mapping[str, Any], files: Mapping[str, str]
     ) -> tuple[dict[str, Any], dict[str, bytes]]:
-        """Let a node run; a program that sleeps first is started again, early enough."""
-        said, made = self.call(call, order, files)
-        ended = json.loads(said)
-        if "lead" in ended:
-            return self.run(call, {**order, "lead": ended["lead"]}, files)
-        return ended, made
+        """Let a node run, if need be once more: earlier, or with what its launch file starts."""
+        kept: dict[str, bytes] = {}
+        while True:
+            said, kept = self.call(call, order, files, kept)
+            ended = json.loads(said)
+            if "lead" not in ended:
+                return ended, kept
+            order = {**order, "lead": ended["lead"]}
 
     def _send(self, message: Mapping[str, Any]) -> asyncio.Future[Any]:
         from js import Object  # noqa: PLC0415
@@ -179,17 +181,17 @@ class Worker:
         self.ended = True
 
 
-class WorkerTrials(Trials):
+class WorkerTrials(PageTrials):
     """Lets the worker run a node in each scenario that is asked for."""
 
     def __init__(
         self, worker: Worker, exercise: Exercise, file: Path, on_progress: OnProgress
     ) -> None:
+        super().__init__([])
         self._worker, self._others, self._file = worker, exercise.files, file
         self._files = _files(file)
         self._on_progress = on_progress
         self._planned: dict[str, None] = {}
-        self._made: dict[str, Recording] = {}
         self.stopped: GraderError | InputError | None = None  # by this: no check is worth its words
 
     def prepare(self, scenarios: Sequence[str]) -> None:
@@ -198,30 +200,30 @@ class WorkerTrials(Trials):
 
     def get(self, scenario: str) -> Recording:
         """Return the recording of a scenario; at the end of the first trial Ctrl-C is tried."""
-        if scenario not in self._made:
+        if scenario not in self._recordings:
             self.prepare([scenario])
             self._tell(scenario)
             order = {
                 "file": f"{FOLDER}/{self._file.name}",
                 "others": self._others,
                 "scenario": scenario,
-                "interrupt": not self._made,
+                "interrupt": not self._recordings,
             }
             try:
                 ended, made = self._worker.run("trial", order, self._files)
             except (GraderError, InputError) as error:
                 self.stopped = error
                 raise
-            self._made[scenario], _ = pickle.loads(made[f"{scenario}.pickle"])
+            self._recordings[scenario], _ = pickle.loads(made[f"{scenario}.pickle"])
             self._tell(scenario, ended["kind"])
-        return self._made[scenario]
+        return self._recordings[scenario]
 
     def recordings(self) -> list[Recording]:
-        """Return those that were asked for."""
-        return list(self._made.values())
+        """Return those that were made, in the order in which they were announced."""
+        return [self._recordings[name] for name in self._planned if name in self._recordings]
 
     def _tell(self, scenario: str, outcome: str = "") -> None:
-        self._on_progress(Step(TRIAL, len(self._made), len(self._planned), scenario, outcome))
+        self._on_progress(Step(TRIAL, len(self._recordings), len(self._planned), scenario, outcome))
 
 
 def _drive(order: Drive, worker: Worker) -> Answer:

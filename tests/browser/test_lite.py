@@ -21,11 +21,18 @@ from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
 
 MADE = ROOT / "build" / "lite" / "index.html"
-EXERCISES = {  # notebook: exercise, mutant
-    "01_loop": ("obstacle_avoidance", "narrow_cone"),
-    "03_goal": ("goal_seeking", "yaw_in_degrees"),
-    "04_memory": ("trend_memory", "whole_circle"),
+NOTEBOOKS = {  # and their exercises
+    "01_loop": "obstacle_avoidance",
+    "03_goal": "goal_seeking",
+    "04_memory": "trend_memory",
+    "05_real_time": "slow_model",
+    "06_model_server": "model_server",
+    "07_supervisor": "safety_supervisor",
+    "09_latency": "latency_monitor",
+    "10_live_parameters": "live_parameters",
+    "11_three_nodes": "three_nodes",
 }
+MUTANTS = {"01_loop": "narrow_cone", "03_goal": "yaw_in_degrees", "04_memory": "whole_circle"}
 # Write cells (by how they begin; "" for one more at the end), run all; whether none runs any more
 RUN = """(texts) => {
   const { content } = jupyterapp.shell.currentWidget;
@@ -69,23 +76,25 @@ def said_at_the_end(page: Any, texts: dict[str, str]) -> str:
         page.wait_for_timeout(500)
 
 
-@pytest.mark.parametrize("notebook", EXERCISES)
-@pytest.mark.parametrize("right", [True, False])
+@pytest.mark.parametrize(
+    ("notebook", "mutant"), [*((name, None) for name in NOTEBOOKS), *MUTANTS.items()]
+)
 def test_a_notebook_runs_in_the_browser_and_judges_as_course_grade(
-    open_served: Any, forkserver: ForkServer, tmp_path: Path, notebook: str, right: bool
+    open_served: Any, forkserver: ForkServer, tmp_path: Path, notebook: str, mutant: str | None
 ) -> None:
-    slug, mutant = EXERCISES[notebook]
-    exercise = find_exercise(slug)
-    file = tmp_path / exercise.files[0]
-    reference = (exercise.solutions / file.name).read_text()
-    file.write_text(reference if right else find_mutant(exercise, mutant).text)
-    graded = grade_submission(exercise, find_submission(file), forkserver, file=file.name)
-    assert (graded.score == 100) == right
+    exercise = find_exercise(NOTEBOOKS[notebook])
+    files = {name: (exercise.solutions / name).read_text() for name in exercise.files}
+    if mutant:
+        files[exercise.files[0]] = find_mutant(exercise, mutant).text
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    submission = find_submission(tmp_path / exercise.files[0], others=exercise.files[1:])
+    graded = grade_submission(exercise, submission, forkserver, file=exercise.files[0])
+    assert (graded.score == 100) == (mutant is None)
 
     page = open_served(f"lite/notebooks/index.html?path={notebook}.ipynb")
-    magic = f"%%node {file.name}"
-    cells = {magic: f"{magic}\n{file.read_text()}", "": SAYS.format(slug)}
-    said = said_at_the_end(page, cells)
+    cells = {f"%%node {name}": f"%%node {name}\n{text}" for name, text in files.items()}
+    said = said_at_the_end(page, {**cells, "": SAYS.format(exercise.slug)})
 
     measured = "callback_time"  # by the wall clock
     found = [each for each in json.loads(said) if each[0] != measured]

@@ -1,4 +1,4 @@
-"""The recordings that a page's judge has, and what no page can record."""
+"""Recordings in a browser: what a page's judge has, and what no page can record."""
 
 from __future__ import annotations
 
