@@ -28,9 +28,13 @@ from grader.trial.progress import TRIAL, OnProgress, Step
 FOLDER = "/home/reader"  # of the node, in the worker
 PATIENCE = 30.0  # [s] without a word of a trial
 INSTALLED = "take the installed course"
+READY = (
+    "Ready: nodes run in this browser, for practice. Your instructor's grade comes from the real "
+    "rclpy on Linux."
+)
 NO_WAITING = (
-    "the notebook's Python has to wait for the node's, which takes Chrome or Edge 137 or later; or "
-    "install the course"
+    "nodes can't run in this browser: a cell has to wait for them, which takes Chrome or Edge 137 or "
+    "later. Or install the course"
 )
 SEARCH = f"a search can't be had in the browser; {INSTALLED}"
 FIELD = f"field checks can't be had in the browser; {INSTALLED}"
@@ -38,6 +42,13 @@ SILENT = (
     f"time stood still for {PATIENCE:.0f} s, at {{:.1f}} s of the drive: the node computes, or a "
     "loop never ends"
 )
+
+
+def why_not() -> str:
+    """Say what this browser lacks to let nodes run; "" if nothing."""
+    from pyodide.ffi import can_run_sync  # noqa: PLC0415  (only a browser has it)
+
+    return "" if can_run_sync() else NO_WAITING
 
 
 class Judge:
@@ -59,10 +70,8 @@ class Judge:
         beat: Callable[[], None] = lambda: None,
     ) -> Answer:
         """Carry out an order; meanwhile `beat` is called whenever the worker has said something."""
-        from pyodide.ffi import can_run_sync  # noqa: PLC0415
-
-        if not can_run_sync():
-            return Problem(NO_WAITING)
+        if said := why_not():
+            return Problem(said)
         self.warm()
         assert self._worker is not None
         self._worker.beat = beat

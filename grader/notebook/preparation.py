@@ -24,10 +24,6 @@ from grader.link.ros_environment import PORTABLE, RosEnvironment, find_ros, port
 from grader.notebook.program import run
 from grader.notebook.show import Progress
 
-IN_BROWSER = (
-    "Ready: nodes run in this browser, for practice. Your instructor's grade comes from the real "
-    "rclpy on Linux."
-)
 ROOT = Path(__file__).resolve().parents[2]
 CONSTRAINTS = ROOT / "constraints.txt"
 PATHS = ("AMENT_PREFIX_PATH", "LD_LIBRARY_PATH")  # extended, not replaced
@@ -43,7 +39,9 @@ WHYS = {  # what pip says: what to do
 def prepare_kernel() -> None:
     """See `grader.notebook.prepare`."""
     if sys.platform == "emscripten":
-        print(IN_BROWSER, flush=True)
+        from grader.notebook import page  # noqa: PLC0415  (it is there already)
+
+        print(page.why_not() or page.READY, flush=True)
         return
     wanted = missing()
     if wanted and not _install(wanted):
