@@ -33,8 +33,8 @@ READY = (
     "rclpy on Linux."
 )
 NO_WAITING = (
-    "nodes can't run in this browser: a cell has to wait for them, which takes Chrome or Edge 137 or "
-    "later. Or install the course"
+    "nodes can't run in this browser: a cell has to wait for them, which takes Chrome or Edge 137, "
+    "or later; or install the course"
 )
 SEARCH = f"a search can't be had in the browser; {INSTALLED}"
 FIELD = f"field checks can't be had in the browser; {INSTALLED}"
