@@ -34,6 +34,7 @@ from rclpy_portable import unpacking
 from sim.scenario_files import load_scenario, scenario_names
 from workspace.plan import fields, methods, plan
 from workspace.runtime import REFUSED
+from workspace.trials import PageTrials
 
 HERE = Path(__file__).resolve().parent
 PINS = tomllib.loads((HERE / "packages.toml").read_text("utf-8"))
@@ -227,11 +228,12 @@ def _drives(files: Sequence[str]) -> dict[str, Any]:
     In some scenarios it is one of several programs.
     """
     library = {name for name in sys.stdlib_module_names if not NOT_OF_PYTHON.match(f"{name}.py")}
-    packed = {found["module"] for name in files if (found := OF_NODES.match(name))}
+    modules = {found["module"] for name in files if (found := OF_NODES.match(name))}
     places = {name: path.relative_to(ROOT).as_posix() for name, path in scenario_names().items()}
-    scenarios = sorted(name for name, path in places.items() if path in files)
+    packed = sorted(name for name, path in places.items() if path in files)
+    scenarios = [name for name in packed if not PageTrials([]).lacks([name], ())]
     return {
-        "modules": sorted((library | packed) - NOT_OF_NODES),
+        "modules": sorted((library | modules) - NOT_OF_NODES),
         "scenarios": scenarios,
         "several": [name for name in scenarios if load_scenario(name).program],
         "refused": sorted(REFUSED),
