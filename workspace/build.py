@@ -50,10 +50,12 @@ WEB = (
 )  # fmt: skip
 # The rooms of the course that a page needs
 COURSE = re.compile(
-    rf"sim/(?!live/)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
+    rf"sim/(?!live/|launch/|setup|__main__)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
     rf"|workspace/(runtime|stacks|trials|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
     r"|grader/(?!exercises|authoring|classroom|drive/(search/|delay|mishaps)|lms"
-    r"|nbgrader|notebook|testing|models/expert|trial/real_time"
+    r"|nbgrader|notebook|testing|models/expert|trial/real_time|course/(skeletons|begin|generated)"
+    r"|grading/(attempts|best|handed_in|withheld)|cli/(batch|waiting)"
+    r"|link/(doctor|domains|host_process|hosts|locks|pipes|pool|run_queue|shared_memory)\."
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
 FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")
@@ -80,7 +82,7 @@ NOT_OF_PACKAGES = re.compile(
 NOT_OF_NUMPY = re.compile(
     r"/tests/|\.pyi$|\.pxd$|timer_comparison|/include/|/f2py/|/_pyinstaller/|/testing/|/distutils/"
     r"|\.a$|/doc/|\.js$|\.dist-info/(?!METADATA)|_(umath|rational|multiarray)_tests|_struct_ufunc|_operand_flag"
-    r"|linalg/lapack_lite"  # of tests only
+    r"|linalg/lapack_lite|ma/testutils|/_examples/|mypy_plugin|_configtool"  # of tests and tools
 )
 EMPTY = ("numpy/_core/_add_newdocs.py", "numpy/_core/_add_newdocs_scalars.py")  # docstrings alone
 NOT_OF_PYTHON = re.compile(
