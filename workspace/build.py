@@ -28,6 +28,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from workspace.trials import PageTrials
+
 from grader.course.exercises import ROOT, find_exercise
 from grader.errors import GraderError, InputError
 from rclpy_portable import unpacking
@@ -49,10 +51,12 @@ WEB = (
 )  # fmt: skip
 # The rooms of the course that a page needs
 COURSE = re.compile(
-    rf"sim/(?!live/)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
+    rf"sim/(?!live/|launch/|setup|__main__)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
     rf"|workspace/(runtime|stacks|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
     r"|grader/(?!exercises|authoring|classroom|drive/(search/|delay|mishaps)|lms"
-    r"|nbgrader|notebook|testing|models/expert|trial/real_time"
+    r"|nbgrader|notebook|testing|models/expert|trial/real_time|course/(skeletons|begin|generated)"
+    r"|grading/(attempts|best|handed_in|withheld)|cli/(batch|waiting)"
+    r"|link/(doctor|domains|host_process|hosts|locks|pipes|pool|run_queue|shared_memory)\."
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
 FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")
@@ -79,7 +83,7 @@ NOT_OF_PACKAGES = re.compile(
 NOT_OF_NUMPY = re.compile(
     r"/tests/|\.pyi$|\.pxd$|timer_comparison|/include/|/f2py/|/_pyinstaller/|/testing/|/distutils/"
     r"|\.a$|/doc/|\.js$|\.dist-info/(?!METADATA)|_(umath|rational|multiarray)_tests|_struct_ufunc|_operand_flag"
-    r"|linalg/lapack_lite"  # of tests only
+    r"|linalg/lapack_lite|ma/testutils|/_examples/|mypy_plugin|_configtool"  # of tests and tools
 )
 EMPTY = ("numpy/_core/_add_newdocs.py", "numpy/_core/_add_newdocs_scalars.py")  # docstrings alone
 NOT_OF_PYTHON = re.compile(
@@ -241,11 +245,12 @@ def _drives(files: Sequence[str]) -> dict[str, Any]:
     In some scenarios it is one of several programs.
     """
     library = {name for name in sys.stdlib_module_names if not NOT_OF_PYTHON.match(f"{name}.py")}
-    packed = {found["module"] for name in files if (found := OF_NODES.match(name))}
+    modules = {found["module"] for name in files if (found := OF_NODES.match(name))}
     places = {name: path.relative_to(ROOT).as_posix() for name, path in scenario_names().items()}
-    scenarios = sorted(name for name, path in places.items() if path in files)
+    packed = sorted(name for name, path in places.items() if path in files)
+    scenarios = [name for name in packed if not PageTrials([]).lacks([name], ())]
     return {
-        "modules": sorted((library | packed) - NOT_OF_NODES),
+        "modules": sorted((library | modules) - NOT_OF_NODES),
         "scenarios": scenarios,
         "several": [name for name in scenarios if load_scenario(name).program],
         "refused": sorted(REFUSED),

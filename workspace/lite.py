@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import re
 import shutil
 import sys
 import tempfile
@@ -21,7 +22,8 @@ from grader.authoring.handouts import notebooks, without
 from grader.course.exercises import ROOT, all_exercises
 from grader.course.installed import COURSE
 from grader.errors import GraderError, InputError
-from workspace.build import EPOCH, EXERCISES, npm, pack, released, run
+from workspace.build import COURSE as OF_PAGES
+from workspace.build import EPOCH, EXERCISES, FILES, npm, pack, released, run
 
 HERE = Path(__file__).resolve().parent
 TRAINED = {"ml_velocity", "model_formats"}  # their notebooks train models: scikit-learn, 26 MB
@@ -30,7 +32,8 @@ OF_KERNELS = ("ipython", "jedi", "matplotlib", "micropip", "numpy", "sqlite3", "
 FROM_INDEX = ("comm",)  # what Pyodide's release lacks
 MODULE = "rclpy_agents_course"
 KERNEL = f"{sys.prefix}/share/jupyter/labextensions/@jupyterlite/pyodide-kernel-extension"
-ROOMS = ("grader/notebook", "grader/nbgrader")  # that only notebooks need
+# What a kernel needs of the course, and a page doesn't
+MORE = re.compile(r"grader/(?!authoring|classroom|exercises|host|lms|testing)")
 
 
 def main(arguments: list[str]) -> int:
@@ -120,9 +123,11 @@ def _wheel() -> bytes:
 
 
 def _pack_notebook(work: Path) -> None:
-    for room in ROOMS:
-        unwanted = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(ROOT / room, work / "room" / room, ignore=unwanted)
+    for path in (ROOT / "grader").rglob("*"):
+        name = path.relative_to(ROOT).as_posix()
+        if path.is_file() and FILES.search(name) and MORE.match(name) and not OF_PAGES.match(name):
+            (work / "room" / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, work / "room" / name)
     pack(work / "out" / "static" / "notebook.pack", work / "room")
 
 

@@ -18,4 +18,4 @@ class PageTrials(SavedTrials):
         models = [load_scenario(name).node.models for name in scenarios]
         needed = dict.fromkeys([*libraries, *(each for m in models for each in needed_for(m))])
         names = ", ".join(OPTIONAL[module][0] for module in needed)
-        return f"only the installed course judges this: it needs {names}" if names else ""
+        return f"Only the installed course judges this: it needs {names}." if names else ""

@@ -14,5 +14,6 @@ export async function keepForLater(manifest, more) {
   const loaded = performance.getEntriesByType('resource').map(({ name }) => name).filter((name) => name.startsWith(root));
   const worker = new URL(`worker.js?${manifest['worker.js'].sha256}`, HERE).href;
   await Promise.all([...new Set([...more, worker, ...loaded])].map((name) => store.add(name).catch(() => {})));
+  await navigator.serviceWorker.ready; // the page itself last: with it a visit needs no network
   await store.add(location.pathname);
 }
