@@ -139,7 +139,7 @@
       later.forEach((part) => { part.hidden = false; });
       const where = `line${wrong.length > 1 ? 's' : ''} ${form.dataset.lines.replaceAll('-', ' – ').replaceAll(',', ', ')}`;
       const found = wrong.includes(guess);
-      form.querySelector('.status').textContent = `${found ? 'Right' : guess ? 'Not that one' : 'Look'}: ${where}, marked now in the listing. Why, and how to put it right, stands below.`;
+      form.querySelector('.status').textContent = `${found ? 'Right' : guess ? 'Not that one' : 'Look'}: ${where}, marked now in the listing. Read on: why, and how to put it right.`;
       form.classList.toggle('is-right', found);
     };
     document.body.classList.add('has-challenge');

@@ -41,7 +41,7 @@ NAME = "01_loop"
 QUIZ = "quiz"
 SLUG = "obstacle_avoidance"
 FILE = "obstacle_avoidance_agent.py"
-MISTAKE = "slow_is_too_fast"  # one of exercise 1's mutants
+MISTAKE = "narrow_cone"  # one of exercise 1's mutants: it fails one check of 10 points
 WIDE = {"viewport": {"width": 1280, "height": 1000}}
 
 
