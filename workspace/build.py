@@ -28,10 +28,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from workspace.trials import PageTrials
-
 from grader.course.exercises import ROOT, find_exercise
 from grader.errors import GraderError, InputError
+from grader.trial.page import PageTrials
 from rclpy_portable import unpacking
 from sim.scenario_files import load_scenario, scenario_names
 from workspace.plan import fields, methods, plan
