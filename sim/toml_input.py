@@ -10,6 +10,7 @@ import math
 import re
 import tomllib
 from collections.abc import Collection, Iterable, Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -71,10 +72,15 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
         The text is not TOML.
     """
     try:
-        return tomllib.loads(text)
+        return _tables(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         reason = str(error).splitlines()[0]
         raise InputError(f"{where}: not valid TOML: {reason}") from None
+
+
+@lru_cache(maxsize=256)  # a trial's scenario is read several times; nobody changes a table
+def _tables(text: str) -> dict[str, Any]:
+    return tomllib.loads(text)
 
 
 def merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:

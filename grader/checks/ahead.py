@@ -29,8 +29,19 @@ def front_distances(scan: Scan) -> tuple[float | None, ...]:
 def _distances(scan: Scan, half_angles: tuple[float, ...]) -> tuple[float | None, ...]:
     """Return the smallest usable distance within each half angle [m]; None: blind."""
     layout = len(scan.ranges), scan.first_angle, scan.angle_increment
-    ranges, limits = scan.ranges, (np.float32(scan.range_min), np.float32(scan.range_max))
-    usable = np.isinf(ranges) | ((ranges >= limits[0]) & (ranges <= limits[1]))
+    limits = float(scan.range_min), float(scan.range_max)
+    return _nearest(scan.ranges.tobytes(), limits, layout, half_angles)
+
+
+@lru_cache(maxsize=4096)  # a bench repeats its readings, and every grading has its benches
+def _nearest(
+    readings: bytes,
+    limits: tuple[float, float],
+    layout: tuple[int, float, float],
+    half_angles: tuple[float, ...],
+) -> tuple[float | None, ...]:
+    ranges, (least, most) = np.frombuffer(readings, dtype=np.float32), map(np.float32, limits)
+    usable = np.isinf(ranges) | ((ranges >= least) & (ranges <= most))
     ahead = _ahead(*layout, half_angles) & usable
     nearest = np.where(ahead, ranges, np.inf).min(axis=1, initial=np.inf).tolist()
     seen: list[bool] = [bool(row.any()) for row in ahead]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import tomllib
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated
 
@@ -148,8 +149,13 @@ def exercise_for(name: str | None, file: str) -> Exercise:
     )
 
 
+@lru_cache(maxsize=64)
+def _exercise(text: str) -> Exercise:
+    return msgspec.convert(tomllib.loads(text), Exercise)
+
+
 def _read(file: Path) -> Exercise:
     try:
-        return msgspec.convert(tomllib.loads(file.read_text("utf-8")), Exercise)
+        return _exercise(file.read_text("utf-8"))
     except (tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
         raise GraderError(f"{file}: {error}") from error
