@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import os
 from collections.abc import Collection, Mapping, Sequence
@@ -13,7 +14,6 @@ import msgspec
 
 from grader.classroom.account import Account
 from grader.classroom.amendments.log import Entry
-from grader.classroom.amendments.people import nearest
 from grader.classroom.results.similarity import Alike
 from grader.course.exercises import find_exercise
 from grader.errors import InputError
@@ -50,7 +50,9 @@ class ResultOptions:
         """
         for word in self.hidden:
             if word not in HIDE:
-                raise nearest(word, HIDE, "word to hide")
+                near = difflib.get_close_matches(word, HIDE, n=1)
+                hint = f"did you mean {near[0]}?" if near else f"expected one of {', '.join(HIDE)}"
+                raise InputError(f"hide: unknown word {word!r}; {hint}")
 
     @property
     def replays_in(self) -> str:
