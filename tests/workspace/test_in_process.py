@@ -14,7 +14,8 @@ from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
-from workspace.build import EXERCISES
+from sim.scenario_files import load_scenario
+from workspace.build import EXERCISES, PINS
 from workspace.plan import fields, methods, plan
 
 FORKED = Path(__file__).with_name("forked.py")
@@ -78,6 +79,8 @@ def test_the_plan_knows_every_core_check_and_what_it_needs(name: str) -> None:
     assert sum(check["points"] for check in made["checks"]) == exercise.max_points
     here = sum(check["points"] for check in made["checks"] if check["scenarios"])
     assert here == HERE.get(name, exercise.max_points)
+    several = [name for name in made["scenarios"] if len(load_scenario(name).program) > 1]
+    assert not several or name in PINS["threaded"]
     assert {s for check in made["checks"] for s in check["scenarios"]} == set(made["scenarios"])
 
 
