@@ -43,7 +43,8 @@ def test_the_page_judges_as_course_grade_does(
     submission = find_submission(node, *exercise.files[:1], exercise.files[1:])
     made = plan(exercise)
     here = [check["id"] for check in made["checks"] if check["scenarios"]]
-    expected = grade_submission(exercise, submission, forkserver, file=node.name, only=here)
+    only = here if len(here) < len(made["checks"]) else ()  # or its trials come in another order
+    expected = grade_submission(exercise, submission, forkserver, file=node.name, only=only)
     order = {
         "exercise": exercise.slug,
         "file": str(node),
