@@ -73,7 +73,7 @@ class Stacks(Protocol):
 
 
 class _OneStack:
-    """The judge's own stack: programs without threads."""
+    """The judge's own stack: programs without threads. It would not hear of an end in another."""
 
     def run(self, body: Callable[[], object]) -> None:
         with contextlib.suppress(_Over):

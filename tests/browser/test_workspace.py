@@ -106,7 +106,9 @@ def test_nodes_that_are_typed_in_get_the_verdicts_of_course_grade(
 ) -> None:
     exercise = find_exercise(slug)
     first, *others = exercise.files
-    here = [check["id"] for check in plan(exercise)["checks"] if check["scenarios"]]
+    checks = plan(exercise)["checks"]
+    here = [check["id"] for check in checks if check["scenarios"]]
+    only = here if len(here) < len(checks) else ()  # or its trials come in another order
     page = open_workspace(slug=slug)
     different = {}
     for mutant in (None, *TYPED[slug]):
@@ -114,7 +116,7 @@ def test_nodes_that_are_typed_in_get_the_verdicts_of_course_grade(
         for name, text in files.items():
             (tmp_path / name).write_text(text, "utf-8")
         submission = find_submission(tmp_path, first, others)
-        graded = grade_submission(exercise, submission, forkserver, file=first, only=here)
+        graded = grade_submission(exercise, submission, forkserver, file=first, only=only)
         assert "points" in check(page, *files.values())
         found = dict(page.locator(".ws-list li").evaluate_all(SAID))
         said = page.locator(".ws-cause").all_inner_texts()

@@ -21,7 +21,8 @@ from workspace.runtime import REFUSED
 
 FORKED = Path(__file__).with_name("forked.py")
 LISTING = re.compile(r"(?ms)^```\{code-block\} python\n:caption: (\S+)\n\n(.*?)^```$")
-COMPUTE = re.compile(r"(?m)^  Compute: .*\n(?:\S.*\n)*")  # each machine has its own
+# of the machine, not of the node
+COMPUTE = re.compile(r"(?m)^  (Compute: |WARNING: \d+ times the node computed).*\n(?:\S.*\n)*")
 DRIVEN = [
     ("loop", "one_beam_agent.py --scenario demo_wall"),
     ("loop", "one_beam_agent.py --scenario demo_wall --param decision:=table"),

@@ -17,7 +17,7 @@ export function split(text, skeletons) {
   const [start, ...parts] = text.split(/(?:^|\n)\f# (.+)\n/);
   if (names.length === 1 || !parts.length) return { ...skeletons, [names[0]]: text };
   const found = { ...skeletons };
-  for (let i = 0; i < parts.length; i += 2) if (parts[i] in found) found[parts[i]] = parts[i + 1];
+  for (let i = 0; i < parts.length; i += 2) if (names.includes(parts[i])) found[parts[i]] = parts[i + 1];
   return found;
 }
 
