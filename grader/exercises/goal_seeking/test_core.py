@@ -8,7 +8,7 @@ from grader.checks.commands import FIELDS, ZERO
 from grader.checks.verdict import fail
 from grader.checks.words import follows, wired, within, zero
 from grader.exercises.goal_seeking.contract import CONTRACT, MAX_SPEED, SPEED_GAIN, quests
-from grader.exercises.goal_seeking.ways import announces, keeps_time, reaches, warns
+from grader.exercises.goal_seeking.ways import announces, keeps_time, reaches, sent, warns
 
 FIRST = "goal_origin_to_5_3"
 AROUND = ("goal_behind", "goal_beside", "goal_across_the_seam")
@@ -45,14 +45,14 @@ def test_control_rate(runs: Runs) -> None:
 def test_reaches_goal(runs: Runs) -> None:
     """From the origin the robot reaches (5, 3) within 30 s."""
     for recording in runs:
-        reaches(recording, quests(recording)[0], PATIENCE)
+        reaches(recording, sent(recording)[0], PATIENCE)
 
 
 @check(points=5, asks=DECISION, task=4, scenarios=(*AROUND, FAR), hint="3.1")
 def test_reaches_any_goal(runs: Runs) -> None:
     """The robot reaches goals behind it, beside it, across the ±π seam, and far away."""
     for recording in runs:
-        reaches(recording, quests(recording)[0])
+        reaches(recording, sent(recording)[0])
 
 
 @check(points=10, asks=DECISION, task=3, scenarios=(TURNS,), hint="3.2")
@@ -87,7 +87,7 @@ def test_stops_once(runs: Runs) -> None:
     help = "On arrival one zero Twist takes the place of the command; forget the goal then."
     follows(runs, "stop", help=help, tolerance=ZERO)
     for recording in runs:
-        announces(recording, quests(recording)[-1])
+        announces(recording, sent(recording)[-1])
 
 
 @check(
@@ -139,7 +139,7 @@ def test_warns(runs: Runs) -> None:
 )
 def test_path_efficiency(runs: Runs) -> None:
     """The robot does not wander: its paths are short (SPL of at least 0.7)."""
-    ratios = [reaches(recording, quests(recording)[0]) for recording in runs]
+    ratios = [reaches(recording, sent(recording)[0]) for recording in runs]
     spl = sum(ratios) / len(ratios)
     if spl < LEAST_SPL:
         worst = runs[ratios.index(min(ratios))]
@@ -148,6 +148,6 @@ def test_path_efficiency(runs: Runs) -> None:
             expected=f"SPL (shortest path / path, on average) of at least {LEAST_SPL}",
             actual=f"{spl:.2f}: " + ", ".join(f"{ratio:.2f}" for ratio in ratios),
             recording=worst,
-            at=quests(worst)[0].begin,
+            at=sent(worst)[0].begin,
             help="Turn faster at the beginning (a higher gain), or slow down while you turn.",
         )

@@ -9,7 +9,14 @@ import numpy as np
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
 from grader.checks.words import every, logs
-from grader.exercises.goal_seeking.contract import PERIOD, TOLERANCE, Quest, bad_input, seeking
+from grader.exercises.goal_seeking.contract import (
+    PERIOD,
+    TOLERANCE,
+    Quest,
+    bad_input,
+    quests,
+    seeking,
+)
 from grader.recording import Recording
 from sim.messages import CMD_VEL_TOPIC
 
@@ -21,6 +28,14 @@ NOT_THERE = (
     "The heading error is the bearing to the newest goal minus the robot's yaw; the robot arrives "
     "only within 0.5 m of it. Watch the replay: where does it look, and for which goal?"
 )
+
+
+def sent(recording: Recording) -> list[Quest]:
+    """Return the goals that were sent; fail if the program died before the first."""
+    found = quests(recording)
+    if not found:
+        require_alive(recording)
+    return found
 
 
 def reaches(recording: Recording, quest: Quest, within: float = math.inf) -> float:
