@@ -115,7 +115,7 @@ class Worker:
         self,
         call: str,
         order: Mapping[str, Any],
-        files: Mapping[str, str],
+        files: Mapping[str, bytes],
         recordings: Mapping[str, bytes] | None = None,
     ) -> tuple[str, dict[str, bytes]]:
         """Call a method of workspace.runtime.Runtime in a fresh copy; return its answer.
@@ -138,7 +138,7 @@ class Worker:
         return answer["said"], made
 
     def run(
-        self, call: str, order: Mapping[str, Any], files: Mapping[str, str]
+        self, call: str, order: Mapping[str, Any], files: Mapping[str, bytes]
     ) -> tuple[dict[str, Any], dict[str, bytes]]:
         """Let a node run, if need be once more: earlier, or with what its launch file starts."""
         kept: dict[str, bytes] = {}
@@ -239,7 +239,7 @@ def _drive(order: Drive, worker: Worker) -> Answer:
     file, files = Path(order.file), _files(Path(order.file))
     scenario = order.scenario
     if scenario.endswith(".toml"):
-        files[Path(scenario).name] = Path(scenario).read_text("utf-8")
+        files[Path(scenario).name] = Path(scenario).read_bytes()
         scenario = Path(scenario).name
     words = ["--scenario", scenario]
     options = {"lidar": order.lidar, "duration": order.duration, "seed": order.seed}
@@ -281,6 +281,6 @@ def _grade(
     return graded(grading, path)
 
 
-def _files(file: Path) -> dict[str, str]:
+def _files(file: Path) -> dict[str, bytes]:
     """Return the node and the programs beside it: which of them it needs is for the worker."""
-    return {path.name: path.read_text("utf-8") for path in [*file.parent.glob("*.py"), file]}
+    return {path.name: path.read_bytes() for path in [*file.parent.glob("*.py"), file]}
