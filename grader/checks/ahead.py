@@ -30,7 +30,8 @@ def _distances(scan: Scan, half_angles: tuple[float, ...]) -> tuple[float | None
     """Return the smallest usable distance within each half angle [m]; None: blind."""
     layout = len(scan.ranges), scan.first_angle, scan.angle_increment
     limits = float(scan.range_min), float(scan.range_max)
-    return _nearest(scan.ranges.tobytes(), limits, layout, half_angles)
+    readings = np.asarray(scan.ranges, dtype=np.float32).tobytes()
+    return _nearest(readings, limits, layout, half_angles)
 
 
 @lru_cache(maxsize=4096)  # a bench repeats its readings, and every grading has its benches
