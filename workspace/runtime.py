@@ -244,16 +244,17 @@ class Runtime:
             practice=self._launcher.practice,
         )
 
-    def _kept(self, recording: Recording) -> dict[str, str]:
-        """Keep a recording; return its scenario, and how it ended."""
+    def _kept(self, recording: Recording) -> dict[str, Any]:
+        """Keep a recording; return its scenario, how it ended, and which programs had before."""
         from grader.checks.wiring import lines_of
+        from grader.recording import ended_of
         from grader.recording.deaths import death_of
 
         self._place(recording.name).write_bytes(pickle.dumps((recording, self._lines)))
         outcome = recording.outcome
         where = lines_of(death_of(outcome.detail))
         return {"scenario": recording.name, "kind": outcome.kind, "text": outcome.text,
-                "where": where}  # fmt: skip
+                "where": where, "ended": ended_of(recording)}  # fmt: skip
 
     def _load(self, scenario: str) -> tuple[Recording, Lines]:
         kept: tuple[Recording, Lines]

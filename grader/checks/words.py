@@ -146,8 +146,8 @@ def reacts(answers: Sequence[tuple[Recording, Case]]) -> None:
         actual=spelled + ("" if count == len(answers) else f" in {count} of {len(answers)}"),
         at=wrong[0][1].at,
         recording=wrong[0][0],
-        help="Log what you decide on. Is it the same each time? Then look at the perception. If "
-        "not: does the decision use it, and do you publish the result?",
+        help="Log what you decide on. Is it the same each time? Then look at how it comes about. "
+        "If not: is that what you publish, or ask for?",
     )
 
 

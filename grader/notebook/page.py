@@ -21,6 +21,7 @@ from grader.link.practice import PRACTICE
 from grader.link.settings import IN_BROWSER
 from grader.notebook.answers import graded
 from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Order, Problem, Progressed
+from grader.notebook.show import tell
 from grader.recording import Recording
 from grader.trial.page import PageTrials
 from grader.trial.progress import TRIAL, OnProgress, Step
@@ -37,7 +38,7 @@ NO_WAITING = (
     "or later; or install the course"
 )
 SEARCH = f"a search can't be had in the browser; {INSTALLED}"
-FIELD = f"field checks can't be had in the browser; {INSTALLED}"
+FIELD = f"Without the field checks, which can't be had in the browser; {INSTALLED}."
 SILENT = (
     f"time stood still for {PATIENCE:.0f} s, at {{:.1f}} s of the drive: the node computes, or a "
     "loop never ends"
@@ -259,14 +260,14 @@ def _grade(
 ) -> Graded | Problem:
     exercise, path = find_exercise(order.exercise), Path(order.file)
     if order.field:
-        return Problem(FIELD)
+        tell(FIELD)
     if exercise.slug not in worker.exercises:
         return Problem(f"exercise {exercise.number} can't be judged in the browser; {INSTALLED}")
 
-    def tell(step: Step) -> None:
+    def on_step(step: Step) -> None:
         on_progress(Progressed(*step))
 
-    trials = WorkerTrials(worker, exercise, path, tell)
+    trials = WorkerTrials(worker, exercise, path, on_step)
     grading = grade(
         exercise,
         trials,
@@ -274,7 +275,7 @@ def _grade(
         only=order.only,
         isolation=IN_BROWSER,
         practice=PRACTICE,
-        on_progress=tell,
+        on_progress=on_step,
     )
     if trials.stopped is not None:
         raise trials.stopped

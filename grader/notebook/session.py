@@ -74,9 +74,12 @@ class Session:
         Raises
         ------
         InputError
-            It is not there, or the last cell of one of these names was not saved.
+            It is not there, or the last cell of one of these names was not saved, or of a module
+            that it names.
         """
-        for name in names:
+        text = path.read_text("utf-8", "replace") if path.is_file() else ""
+        modules = [name for name in self.refused if exercise_of(name) is None]
+        for name in [*names, *(name for name in modules if name.removesuffix(".py") in text)]:
             if name in self.refused:
                 raise InputError(
                     f"the last %%node {name} cell was not saved ({self.refused[name]}); "

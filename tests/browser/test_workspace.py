@@ -445,3 +445,18 @@ def test_several_files_are_kept_marked_and_reset_one_by_one(
     page.get_by_role("button", name="detection_server.py").click()
     assert "# another" in typed(page)
     assert axe(page) == []
+
+
+def test_a_program_that_ends_while_others_go_on_is_named_after_a_drive(open_workspace: Any) -> None:
+    page = open_workspace(slug="three_nodes")
+    exercise = find_exercise("three_nodes")
+    *others, _guard = [(exercise.solutions / name).read_text("utf-8") for name in exercise.files]
+    settle(page)
+    for number, text in enumerate([*others, "print(\n"]):
+        page.locator(".ws-files button").nth(number).click()
+        type_in(page, text)
+    page.keyboard.press("Control+Enter")
+    said = settle(page)
+    assert said.startswith("Driven to the end of shuttle_")
+    for words in ("guard.py", "SyntaxError in line 1", "the other programs went on"):
+        assert words in said

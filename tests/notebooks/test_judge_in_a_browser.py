@@ -42,17 +42,19 @@ def test_what_stops_a_trial_is_said_once_and_nothing_is_judged(error: Exception)
     assert [(call, files) for call, _, files in worker.asked] == [("trial", [FILE.name])]
 
 
-@pytest.mark.parametrize(
-    ("order", "said"),
-    [
-        (Grade(EXERCISE.slug, str(FILE), FILE.name, field=True), page.FIELD),
-        (Grade("ml_velocity", str(FILE), FILE.name), "exercise 2 can't be judged in the browser"),
-    ],
-)
-def test_what_cannot_be_had_there_is_said(order: Grade, said: str) -> None:
+def test_an_exercise_that_no_page_has_is_named() -> None:
     worker: Any = BadNews(AssertionError("nothing may run"))
-    answer = page._grade(order, worker, lambda _: None)
-    assert isinstance(answer, Problem) and said in answer.text
+    answer = page._grade(Grade("ml_velocity", str(FILE), FILE.name), worker, lambda _: None)
+    assert isinstance(answer, Problem) and "exercise 2 can't be judged" in answer.text
+
+
+def test_field_checks_are_missed_by_name_and_the_others_are_judged(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    worker: Any = BadNews(InputError("asked"))
+    with pytest.raises(InputError, match="asked"):
+        page._grade(Grade(EXERCISE.slug, str(FILE), FILE.name, field=True), worker, lambda _: None)
+    assert capsys.readouterr().out == f"{page.FIELD}\n"
 
 
 def test_progress_counts_the_trials_that_are_planned(tmp_path: Path) -> None:

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from grader.errors import InputError
 from grader.notebook import written
+from grader.notebook.session import Session
 from grader.notebook.written import age_of, newer_cell
 
 FILE = "agent.py"
@@ -74,3 +76,13 @@ def test_where_nobody_knows_the_notebook_nothing_is_said(
     monkeypatch.delenv("JPY_SESSION_NAME")
     assert written._notebook() is None
     assert newer_cell(file) == ""
+
+
+def test_a_module_whose_cell_was_not_saved_is_missed_where_it_is_used(tmp_path: Path) -> None:
+    session = Session(refused={"helper.py": "'(' was never closed"})
+    node, other = tmp_path / "node.py", tmp_path / "other.py"
+    node.write_text("import helper\n")
+    other.write_text("import math\n")
+    with pytest.raises(InputError, match=r"the last %%node helper\.py cell was not saved"):
+        session.usable(node, ["node.py"])
+    assert session.usable(other, ["other.py"]) == other.resolve()

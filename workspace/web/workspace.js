@@ -265,7 +265,7 @@ export class Workspace {
   /** Show the replay of a drive; return in a sentence how it ended. */
   async showDrive(ended, scenario, recordings, title) {
     await this.play([scenario], [], recordings, title, ended.kind === 'completed');
-    if (ended.kind === 'completed') return `Driven to the end of ${scenario}.`;
+    if (ended.kind === 'completed') return [`Driven to the end of ${scenario}.`, ...ended.ended.map((said) => `${said}.`)].join(' ');
     this.mark({ where: ended.where, message: ended.text });
     return `${scenario} ended early: ${ended.text}`;
   }
