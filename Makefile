@@ -100,7 +100,7 @@ workspace: $(VENV)/.dev ## fetch and build what runs exercises in the site's pag
 	$(BIN)/python -m workspace.build build/workspace build/packages $(PYTHON312)
 
 lite: workspace ## the notebooks for the browser, with JupyterLite, on top of the workspace
-	$(BIN)/python -m workspace.lite build/lite build/packages
+	$(BIN)/python -m workspace.lite build/lite build/packages build/workspace
 
 notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with seven students in all exercises
 	COURSE_NOTEBOOKS=full $(PYTEST) tests/notebooks \

@@ -28,7 +28,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from grader.course.exercises import ROOT, find_exercise
+from grader.course.exercises import ROOT, all_exercises
 from grader.errors import GraderError, InputError
 from grader.trial.page import PageTrials
 from rclpy_portable import unpacking
@@ -38,8 +38,6 @@ from workspace.runtime import REFUSED
 
 HERE = Path(__file__).resolve().parent
 PINS = tomllib.loads((HERE / "packages.toml").read_text("utf-8"))
-EXERCISES = PINS["exercises"]
-SLUGS = "|".join(EXERCISES)
 MADE_IN = "/course"  # where the worker unpacks (web/worker.js)
 INFLATED = ("pyodide.asm.js", "pyodide.asm.wasm")  # by the worker: plain servers compress nothing
 LIBRARY = "python_stdlib.zip"  # as well: its files are small, and make a smaller archive together
@@ -50,9 +48,9 @@ WEB = (
 )  # fmt: skip
 # The rooms of the course that a page needs
 COURSE = re.compile(
-    rf"sim/(?!live/|launch/|setup|__main__)|rclpy_portable/|exercises/({SLUGS})/exercise\.toml$"
-    rf"|workspace/(runtime|stacks|stand_ins/)|grader/exercises/(({SLUGS})/|[^/]+$)"
-    r"|grader/(?!exercises|authoring|classroom|drive/(search/|delay|mishaps)|lms"
+    r"sim/(?!live/|launch/|setup|__main__)|rclpy_portable/|exercises/\w+/exercise\.toml$"
+    r"|workspace/(runtime|stacks|stand_ins/)"
+    r"|grader/(?!authoring|classroom|drive/(search/|delay|mishaps)|lms"
     r"|nbgrader|notebook|testing|models/expert|trial/real_time|course/(skeletons|begin|generated)"
     r"|grading/(attempts|best|handed_in|withheld)|cli/(batch|waiting)"
     r"|link/(doctor|domains|host_process|hosts|locks|pipes|pool|run_queue|shared_memory)\."
@@ -158,9 +156,8 @@ def released(names: Iterable[str], cache: Path, modules: Path) -> dict[str, Any]
     GraderError
         One is not the one that Pyodide was released with.
     """
-    packages = json.loads((modules / "pyodide" / "pyodide-lock.json").read_text("utf-8"))[
-        "packages"
-    ]
+    lock = json.loads((modules / "pyodide" / "pyodide-lock.json").read_text("utf-8"))
+    packages = lock["packages"]
     wanted, waiting = {}, list(names)
     while waiting:
         name = waiting.pop().lower().replace("_", "-")
@@ -218,7 +215,7 @@ def build(out: Path, modules: Path, wheel: Path, compiler: Sequence[str]) -> Non
 
 def _plans() -> dict[str, Any]:
     """Return what the page knows of each exercise, by its slug, and the scenarios of demos."""
-    exercises = [find_exercise(name) for name in EXERCISES]
+    exercises = all_exercises()
     demos = {name: load_scenario(name).title for name, path in scenario_names().items()
              if path.parent.name == "demo"}  # fmt: skip
     skeleton = {
@@ -230,7 +227,6 @@ def _plans() -> dict[str, Any]:
         each.slug: {
             **plan(each),
             "skeleton": skeleton[each.slug],
-            "threads": each.slug in PINS["threaded"],
             "words": fields(each),
         }
         for each in exercises

@@ -1,8 +1,8 @@
 """Build the notebooks for the browser, with JupyterLite and the pages' runtime: `make lite`.
 
-`python -m workspace.lite OUT CACHE` writes OUT, which `make site` takes along. Pyodide comes
-from npm, by package-lock.json; what else of its release a kernel needs, as numpy in
-workspace/build.py.
+`python -m workspace.lite OUT CACHE WORKSPACE` writes OUT, which `make site` takes along; WORKSPACE
+is what `make workspace` has made. Pyodide comes from npm, by package-lock.json; what else of its
+release a kernel needs, as numpy in workspace/build.py.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ import tempfile
 import zipfile
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 from grader.authoring.handouts import notebooks, without
-from grader.course.exercises import ROOT, all_exercises
+from grader.course.exercises import ROOT
 from grader.course.installed import COURSE
 from grader.errors import GraderError, InputError
 from workspace.build import COURSE as OF_PAGES
-from workspace.build import EPOCH, EXERCISES, FILES, npm, pack, released, run
+from workspace.build import EPOCH, FILES, npm, pack, released, run
 
 HERE = Path(__file__).resolve().parent
-TRAINED = {"ml_velocity", "model_formats"}  # their notebooks train models: scikit-learn, 26 MB
 CORE = ("pyodide.js", "pyodide.asm.js", "pyodide.asm.wasm", "python_stdlib.zip")
 OF_KERNELS = ("ipython", "jedi", "matplotlib", "micropip", "numpy", "sqlite3", "ssl")
 FROM_INDEX = ("comm",)  # what Pyodide's release lacks
@@ -38,13 +38,14 @@ MORE = re.compile(r"grader/(?!authoring|classroom|exercises|host|lms|testing)")
 
 def main(arguments: list[str]) -> int:
     """Build the folder OUT, all of it or nothing."""
-    if len(arguments) != 2:
-        raise InputError("expected what to make, and a folder for downloads")
-    out, cache = (Path(argument).resolve() for argument in arguments)
+    if len(arguments) != 3:
+        raise InputError("expected what to make, a folder for downloads, and the workspace")
+    out, cache, workspace = (Path(argument).resolve() for argument in arguments)
+    plan = json.loads((workspace / "plan.json").read_text("utf-8"))
     modules = npm(cache)
     with tempfile.TemporaryDirectory(dir=cache) as name:
         work = Path(name)
-        _lite(work)
+        _lite(work, plan["exercises"])
         _pyodide(work / "out" / "static" / "pyodide", cache, modules)
         _pack_notebook(work)
         shutil.rmtree(out, ignore_errors=True)
@@ -54,9 +55,12 @@ def main(arguments: list[str]) -> int:
     return 0
 
 
-def _lite(work: Path) -> None:
-    """Let JupyterLite build its own part."""
-    left_out = {exercise.slug for exercise in all_exercises()} - set(EXERCISES) | TRAINED
+def _lite(work: Path, plans: dict[str, Any]) -> None:
+    """Let JupyterLite build its own part, with the notebooks of what a page judges as a whole."""
+    left_out = {
+        slug for slug, plan in plans.items()
+        if not all(check["scenarios"] for check in plan["checks"])
+    }  # fmt: skip
     (work / "contents").mkdir()
     for path, content in without(notebooks(work), left_out).items():
         (work / "contents" / Path(path).name).write_bytes(content)

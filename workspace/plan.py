@@ -79,6 +79,7 @@ def plan(exercise: Exercise) -> dict[str, Any]:
         }
         for check in grade(exercise, trials, file=file).checks
     ]
+    scenarios = [load_scenario(name) for name in trials.scenarios]
     return {
         "number": exercise.number,
         "slug": exercise.slug,
@@ -86,7 +87,8 @@ def plan(exercise: Exercise) -> dict[str, Any]:
         "files": list(exercise.files),
         "points": exercise.max_points,
         "checks": checks,
-        "scenarios": {name: load_scenario(name).title for name in trials.scenarios},
+        "scenarios": {each.name: each.title for each in scenarios},
+        "threads": any(each.program for each in scenarios),  # several programs: a stack for each
     }
 
 

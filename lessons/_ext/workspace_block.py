@@ -8,7 +8,6 @@ from __future__ import annotations
 import html
 import json
 import shutil
-import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parents[2]
 MADE = ROOT / "build" / "workspace"
 STATIC = "_static/workspace"
-EXERCISES = tomllib.loads((ROOT / "workspace" / "packages.toml").read_text("utf-8"))["exercises"]
 OFF = (
     "The workspace is not running. It needs a browser with JavaScript, and the site has to come "
     "from a web server: opened as a file it can't start. <code>python3 -m http.server</code> in "
@@ -38,7 +36,7 @@ def add_block(app: Sphinx, name: str, _template: str, page: dict[str, Any], _tre
         page["body"] = page["body"].replace(start, f'{start[:-1]}#workspace"', 1)
         return
     parts = name.split("/")
-    if parts[0] != "exercises" or parts[-1] != "README" or parts[1] not in _known(app):
+    if parts[0] != "exercises" or parts[-1] != "README" or parts[1] in _left_out(app):
         return
     made = app.config.course_workspace_made
     words = OFF if made else LEFT_OUT
@@ -52,9 +50,9 @@ def add_block(app: Sphinx, name: str, _template: str, page: dict[str, Any], _tre
         app.add_js_file("workspace/start.js", loading_method="defer")
 
 
-def _known(app: Sphinx) -> set[str]:
-    left_out = app.config.course_left_out.split(",")
-    return {name for name in EXERCISES if name not in left_out}
+def _left_out(app: Sphinx) -> list[str]:
+    found: list[str] = app.config.course_left_out.split(",")
+    return found
 
 
 def _made(config: Config) -> bool:
@@ -68,8 +66,8 @@ def copy_files(app: Sphinx, error: Exception | None) -> None:
         target = Path(shutil.copytree(source, Path(app.outdir, STATIC), dirs_exist_ok=True))
         shutil.copy(target / "offline.js", app.outdir)  # its reach is its folder
         plans = json.loads((target / "plan.json").read_text("utf-8"))
-        known = _known(app)  # no skeleton of one that is left out
-        plans["exercises"] = {k: v for k, v in plans["exercises"].items() if k in known}
+        for slug in _left_out(app):  # no skeleton of one that is
+            plans["exercises"].pop(slug, None)
         (target / "plan.json").write_text(json.dumps(plans), "utf-8")
 
 

@@ -32,7 +32,9 @@ def test_a_dead_worker_is_replaced() -> None:
         first = workers.submit(os.getpid).result()
         with pytest.raises(BrokenExecutor):
             workers.submit(os._exit, 3).result()
-        assert workers.submit(os.getpid).result() not in (first, os.getpid())
+        second = workers.submit(os.getpid).result()
+        assert second not in (first, os.getpid())
+        assert workers.submit(os.getpid).result() == second  # the dead one is out of the way
     finally:
         workers.close(now=True)
 
