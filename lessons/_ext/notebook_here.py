@@ -1,12 +1,14 @@
-"""A link on exercises' pages to their notebook in the browser, if the site is built with them.
+"""Links on exercises' pages to their notebooks: in the browser, and where the instructor says.
 
-`make lite` makes the files (workspace/lite.py). They need those of `make workspace`, too.
+`make lite` makes the files of the first (workspace/lite.py). They need those of `make workspace`.
 """
 
 from __future__ import annotations
 
+import html
 import json
 import shutil
+import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,20 +18,25 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parents[2]
 MADE = ROOT / "build" / "lite"
-LINK = (
-    '<p class="notebook-here">Or <a href="../../lite/notebooks/index.html?path={}">in a notebook'
-    "</a>, which runs in this browser, too. Its first start fetches 50 MB.</p>"
+HERE = (
+    '<p class="notebook">Or <a href="../../lite/notebooks/index.html?path={}">in a notebook</a>, '
+    "which runs in this browser, too. Its first start fetches 50 MB.</p>"
 )
+COLAB = '<p class="notebook"><a href="{}/{}">Open its notebook in Colab</a></p>'
 
 
-def add_link(app: Sphinx, name: str, _template: str, page: dict[str, Any], _tree: object) -> None:
-    """Put the link below the heading of an exercise's page."""
-    parts = name.split("/")
-    if app.config.course_lite_made and parts[0] == "exercises" and parts[-1] == "README":
-        for notebook, text in _notebooks(app).items():
-            if f'"%%node {_file(parts[1])}' in text:
-                link = f"</h1>{LINK.format(notebook)}"
-                page["body"] = page["body"].replace("</h1>", link, 1)
+def add_links(app: Sphinx, name: str, _template: str, page: dict[str, Any], _tree: object) -> None:
+    """Put the links below the heading of an exercise's page."""
+    folder, _, rest = name.partition("/")
+    slug, config = rest.removesuffix("/README"), app.config
+    if folder != "exercises" or slug == rest or slug in config.course_left_out.split(","):
+        return
+    notebook, links = _notebook(slug), ""
+    if config.course_lite_made and Path(config.course_lite, "files", notebook).is_file():
+        links += HERE.format(notebook)
+    if config.course_colab:
+        links += COLAB.format(html.escape(config.course_colab.rstrip("/")), notebook)
+    page["body"] = page["body"].replace("</h1>", f"</h1>{links}", 1)
 
 
 def copy_files(app: Sphinx, error: Exception | None) -> None:
@@ -39,28 +46,19 @@ def copy_files(app: Sphinx, error: Exception | None) -> None:
     target = Path(app.outdir, "lite")
     shutil.rmtree(target, ignore_errors=True)
     shutil.copytree(app.config.course_lite, target)
+    gone = {_notebook(slug) for slug in filter(None, app.config.course_left_out.split(","))}
     index = target / "api" / "contents" / "all.json"
-    contents, known = json.loads(index.read_text("utf-8")), _notebooks(app)
-    contents["content"] = [each for each in contents["content"] if each["name"] in known]
+    contents = json.loads(index.read_text("utf-8"))
+    contents["content"] = [each for each in contents["content"] if each["name"] not in gone]
     index.write_text(json.dumps(contents), "utf-8")
-    for path in (target / "files").iterdir():
-        if path.name not in known:
-            path.unlink()
+    for notebook in gone:
+        (target / "files" / notebook).unlink(missing_ok=True)
 
 
-def _notebooks(app: Sphinx) -> dict[str, str]:
-    """Return the notebooks' texts by their names, without those of exercises that are left out."""
-    left_out = filter(None, app.config.course_left_out.split(","))
-    gone = [f'"%%node {_file(slug)}' for slug in left_out]
-    files = sorted(Path(app.config.course_lite, "files").glob("*.ipynb"))
-    texts = {file.name: file.read_text("utf-8") for file in files}
-    return {name: text for name, text in texts.items() if not any(cell in text for cell in gone)}
-
-
-def _file(slug: str) -> str:
-    from grader.course.exercises import find_exercise  # noqa: PLC0415
-
-    return find_exercise(slug).files[0]
+def _notebook(slug: str) -> str:
+    about = tomllib.loads((ROOT / "exercises" / slug / "exercise.toml").read_text("utf-8"))
+    (folder,) = (ROOT / "notebooks" / "text").glob(f"{about['number']:02}_*")
+    return f"{folder.name}.ipynb"
 
 
 def _made(config: Config) -> bool:
@@ -72,6 +70,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     """Tell Sphinx."""
     app.add_config_value("course_lite", str(MADE), "env", [str])  # a folder; "" for none
     app.add_config_value("course_lite_made", _made, "html", [bool])  # pages follow it
-    app.connect("html-page-context", add_link)
+    app.add_config_value("course_colab", "", "html", [str])  # where the released notebooks lie
+    app.connect("html-page-context", add_links)
     app.connect("build-finished", copy_files)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

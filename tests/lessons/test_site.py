@@ -6,11 +6,8 @@ import html.parser
 import re
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 from urllib.parse import unquote, urldefrag, urlparse
 
-import course_links
 import pytest
 from lesson_pages import LESSONS, PAGES, ROOT
 
@@ -177,27 +174,3 @@ def test_every_skeleton_is_one_click_away(pages: dict[str, Page]) -> None:
         offered = [page.file.parent / link for link in page.links if "_downloads" in link]
         skeletons = {file.name: file.read_bytes() for file in ROOT.glob(f"exercises/{slug}/*.py")}
         assert {file.name: file.read_bytes() for file in offered} == skeletons
-
-
-@pytest.mark.parametrize(
-    ("page", "left_out", "address", "linked"),
-    [
-        ("exercises/model_server/README", "", "https://h/o/r/", "https://h/o/r/06_model_server"),
-        ("exercises/live_parameters/README", "", "https://h", "https://h/10_live_parameters"),
-        ("exercises/live_parameters/README", "", "", None),
-        ("exercises/model_server/README", "goal_seeking,model_server", "https://h", None),
-        ("exercises/model_server/hints", "", "https://h", None),
-        ("exercises/index", "", "https://h", None),
-        ("loop", "", "https://h", None),
-    ],
-)
-def test_a_notebook_is_linked_where_the_instructor_says_where_it_is(
-    page: str, left_out: str, address: str, linked: str | None
-) -> None:
-    app: Any = SimpleNamespace(
-        config=SimpleNamespace(course_left_out=left_out, course_colab=address)
-    )
-    shown = {"body": "<h1>One</h1><p>Two</p>"}
-    course_links.to_notebook(app, page, "", shown, None)
-    found = re.findall(r'href="(.+?)\.ipynb"', shown["body"])
-    assert found == ([] if linked is None else [linked])
