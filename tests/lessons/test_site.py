@@ -76,7 +76,8 @@ def dead_links(site: Path, pages: dict[str, Page]) -> list[str]:
             target, anchor = urldefrag(link)
             if urlparse(target).scheme in ("http", "https", "mailto"):
                 continue
-            file = (page.file.parent / unquote(target)).resolve() if target else page.file.resolve()
+            path = unquote(target.partition("?")[0])  # JupyterLite is told of a notebook behind it
+            file = (page.file.parent / path).resolve() if path else page.file.resolve()
             place = file.relative_to(site.resolve()).as_posix()
             if place in replays():
                 continue
