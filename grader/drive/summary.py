@@ -30,16 +30,23 @@ LAST_WORDS = 10  # lines of what the node printed and logged
 
 
 def print_summary(
-    recording: Recording, *, file: str, practice: str = "", most: int | None = LAST_WORDS
+    recording: Recording,
+    *,
+    file: str,
+    seed: int | None = None,
+    practice: str = "",
+    most: int | None = LAST_WORDS,
+    rest: str = "the replay shows them all",
 ) -> None:
     """Print which topics the node used, what happened, and what computing cost.
 
-    `practice`: why a grading of it would be for practice only. `most`: lines of what the node said;
-    None: all.
+    `seed`: the one that was asked for. `practice`: why a grading of it would be for practice only.
+    `most`: lines of what the node said; None: all. `rest`: where the others are.
     """
     console = Console(highlight=False)
     say = console.print
-    say(f"[bold]{escape(file)}[/] in [bold]{recording.name}[/], seed {recording.seed}")
+    world = "" if seed is None else f", seed {seed}"
+    say(f"[bold]{escape(file)}[/] in [bold]{recording.name}[/]{world}")
     say()
     say("[bold]Topics[/]")
     for line in topic_lines(recording):
@@ -56,12 +63,12 @@ def print_summary(
         say(f"  {escape(line)}")
     for line in growth_of(recording):
         say(f"  WARNING: {escape(line)}")
-    _print_words(recording, console, most)
+    _print_words(recording, console, most, rest)
     if practice:
         say(f"  {practice}", style="yellow")
 
 
-def _print_words(recording: Recording, console: Console, most: int | None) -> None:
+def _print_words(recording: Recording, console: Console, most: int | None, rest: str) -> None:
     """Print what the node said: its last lines, those after Ctrl-C among them."""
     ending = recording.ending
     words = [*told_lines(recording.log), *(["(Ctrl-C)"] if ending and ending.log else [])]
@@ -71,7 +78,7 @@ def _print_words(recording: Recording, console: Console, most: int | None) -> No
     kept = words if most is None else words[-most:] if most else []
     left = len(words) - len(kept)
     console.print()
-    more = f", the last {len(kept)} of {len(words)} lines (--log all shows them all)"
+    more = f", the last {len(kept)} of {len(words)} lines ({rest})"
     console.print(f"[bold]What the node said[/]{more if left else ''}")
     for line in kept:
         console.print(f"  {escape(line)}", soft_wrap=most is None)

@@ -92,7 +92,7 @@ def _drive(order: Drive, forkserver: Launcher) -> Driven:
     arguments = arguments_of(order.params)
     recording = drive_node(submission, scenario, forkserver, seed=order.seed, arguments=arguments)
     with contextlib.redirect_stdout(io.StringIO()) as said:
-        print_summary(recording, file=order.shown, practice=forkserver.practice)
+        print_summary(recording, file=order.shown, seed=order.seed, practice=forkserver.practice)
         print(*(f"  {sentence}" for sentence in submission.account()), sep="\n")
     payload = page_payload(None, [recording], recording.scenario.title or recording.name)
     return Driven(said.getvalue(), page_html({**payload, "embedded": True}))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -92,7 +93,9 @@ class Session:
         return path.resolve()
 
     def _last(self) -> Path:
-        """Return what the last cell wrote; after a kernel's restart, the newest node that is here.
+        """Return the last cell's file that no other cell's imports.
+
+        After a kernel's restart, it is the newest node that is here.
 
         Raises
         ------
@@ -100,9 +103,12 @@ class Session:
             There is none.
         """
         if self.written:
-            return next(reversed(self.written.values()))
-        nodes = (Path(exercise.files[0]) for exercise in all_exercises())
-        here = [node for node in nodes if node.is_file() and node.name not in self.refused]
+            latest = list(reversed(self.written.values()))
+            text = "\n".join(path.read_text("utf-8") for path in latest if path.is_file())
+            nodes = [path for path in latest if not _imports(text, path.stem)]
+            return (nodes or latest)[0]
+        every = (Path(exercise.files[0]) for exercise in all_exercises())
+        here = [node for node in every if node.is_file() and node.name not in self.refused]
         if not here or self.refused:
             raise self._nothing_written()
         return max(here, key=lambda node: node.stat().st_mtime).resolve()
@@ -117,6 +123,10 @@ class Session:
             "no %%node cell has run in this kernel yet: run the one with your node first, "
             "or name the file with file="
         )
+
+
+def _imports(text: str, module: str) -> bool:
+    return re.search(rf"(?m)^\s*(?:from|import)\s+{re.escape(module)}\b", text) is not None
 
 
 def exercise_of(name: str) -> Exercise | None:

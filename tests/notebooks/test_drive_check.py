@@ -44,6 +44,7 @@ def test_drive_says_what_course_drive_says(
     monkeypatch.setenv("COLUMNS", "100")
     cli.main(["drive", str(folder / AGENT), "--scenario", "demo_wall"], standalone_mode=False)
     expected = capsys.readouterr().out.replace(str(folder / AGENT), AGENT)
+    expected = expected.replace("--log all shows them all", "the replay shows them all")
     assert unmeasured(said.text) == unmeasured(expected)
     assert said.stderr == ""
     (payload,) = replays(said)
@@ -60,9 +61,18 @@ def test_drive_takes_what_the_command_takes(kernel: Kernel, folder: Path) -> Non
         "drive('mine.toml', lidar='lds01', duration=1, seed=3, params={'use_sim_time': False})"
     )
 
-    assert "in mine, seed" in said.text
+    assert "in mine, seed 3" in said.text
     assert "/scan  sensor_msgs/msg/LaserScan  best_effort  5 messages (5.0 Hz)" in said.text
     assert "1.0 s simulated" in said.text
+
+
+def test_the_last_cell_of_a_module_that_the_node_imports_leaves_the_node_the_last(
+    kernel: Kernel, folder: Path
+) -> None:
+    save(kernel, AGENT, f"import my_limits\n{RIGHT}")
+    save(kernel, "my_limits.py", "FASTEST = 0.3\n")
+
+    assert f"{AGENT} in demo_wall\n" in kernel.run("drive('demo_wall', duration=1)").text
 
 
 def test_a_right_solution_gets_all_points_in_the_terminals_words(

@@ -105,7 +105,7 @@ def drive(run_node: RunNode) -> Recording:
 def test_the_summary(drive: Recording, capsys: pytest.CaptureFixture[str]) -> None:
     said = summary(drive, capsys)
 
-    assert said.startswith("echo.py in demo_wall, seed 1 Topics")
+    assert said.startswith("echo.py in demo_wall Topics")
     assert "-> /cmd_vel geometry_msgs/msg/Twist reliable 10 messages (10.0 Hz)" in said
     assert "<- /scan sensor_msgs/msg/LaserScan reliable 10 messages (10.0 Hz)" in said
     assert "1.0 s simulated; the node ran to the end" in said
