@@ -38,6 +38,9 @@ TYPED = {  # in each exercise, after the reference
     "three_nodes": ("two_drivers", "past_the_guard", "nan_gets_through"),
 }
 SLUG = "obstacle_avoidance"
+KEPT = """async () => {
+  while (!await caches.match(location.pathname)) await new Promise(requestAnimationFrame);
+}"""
 NO_STORAGE = "Object.defineProperty(window, 'localStorage', { get() { throw new Error('no') } })"
 SAID = """(all) => all.map((row) => [row.dataset.check,
   [row.dataset.outcome, row.querySelector('.ws-detail p')?.textContent || '']])"""
@@ -336,7 +339,7 @@ def test_a_later_visit_needs_no_server(chromium: Any, site: Path, tmp_path: Path
     with served(site, tmp_path) as address:
         page.goto(f"{address}/exercises/{SLUG}/README.html#workspace")
         assert settle(page) == "Ready."
-        page.wait_for_function("caches.match(location.pathname)")
+        page.evaluate(KEPT)
     page.reload()
     page.locator(".cm-content").wait_for()
     assert settle(page) == "Ready."

@@ -6,6 +6,7 @@ It is what the pages' workers have, from the same files; and the notebooks' own 
 import gzip
 import io
 import json
+import logging
 import sys
 import tarfile
 
@@ -38,3 +39,4 @@ for address in (
         archive.extractall(COURSE, filter="data")
 STAND_INS = f"{COURSE}/workspace/stand_ins"
 sys.path += [COURSE, STAND_INS, f"{STAND_INS}/gaps"]  # what the kernel has goes first
+logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # a new list at each start
