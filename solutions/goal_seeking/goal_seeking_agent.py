@@ -102,7 +102,7 @@ class GoalSeekingAgent(Node):
                 f"Ignored a pose that is not finite: {pose}", throttle_duration_sec=1.0
             )
             return
-        self.pose = pose
+        self.pose, self.heard = pose, self.get_clock().now()
         ### SKELETON
         # # TODO(task 2): keep the pose in self.pose, if it is finite.
         ### END SOLUTION
@@ -132,10 +132,11 @@ class GoalSeekingAgent(Node):
         ### BEGIN SOLUTION
         twist = Twist()
         distance = distance_to(self.goal, self.pose)
+        age = (self.get_clock().now() - self.heard).nanoseconds / 1e9  # [s] of the pose
         if distance <= GOAL_TOLERANCE:
             self.goal = None
             self.get_logger().info("Goal reached!")
-        else:
+        elif age <= 0.5:  # an older pose says nothing of where the robot is: it stands
             turn_rate = TURN_GAIN * heading_error(self.goal, self.pose)
             twist.linear.x = min(MAX_SPEED, SPEED_GAIN * distance)
             twist.angular.z = max(-MAX_TURN_RATE, min(MAX_TURN_RATE, turn_rate))

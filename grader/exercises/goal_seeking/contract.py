@@ -6,6 +6,7 @@ import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from operator import attrgetter, itemgetter
 
 import numpy as np
@@ -151,10 +152,11 @@ class _Run:
 
     def held(self, quest: Quest) -> Iterator[tuple[Pose, Said]]:
         """Yield each pose that held for a tick or longer, and the last command by its end."""
-        for pose in self.poses:
-            until = min(pose.end, quest.end)
-            if quest.begin <= pose.t < min(until - REACTION, self.arrival(quest)):
-                yield pose, self.said(pose.t, until)
+        for same, group in groupby(self.poses, key=attrgetter("x", "y", "yaw")):
+            sent = list(group)
+            begin, end = max(sent[0].t, quest.begin), min(sent[-1].end, quest.end)
+            if begin < min(end - REACTION, self.arrival(quest)):
+                yield Pose(begin, end, *same), self.said(begin, end)
 
     def way(self, quest: Quest) -> Iterator[Case]:
         """Yield the speed of each command on the way, for the farther of the last two poses."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from grader.checks.case import Runs
+from grader.checks.check import SAFETY, check
 from grader.checks.field import FieldSuite
 from grader.checks.words import follows
 from grader.exercises.goal_seeking.contract import quests
 from grader.exercises.goal_seeking.test_core import SPEED_TOLERANCE
-from grader.exercises.goal_seeking.ways import keeps_time, reaches
+from grader.exercises.goal_seeking.ways import keeps_time, reaches, stands_without_odometry
 
 
 def _keeps_the_contract(runs: Runs, help: str) -> None:
@@ -32,3 +33,10 @@ test_field_mirrored_world = field.mirrored_world("goal_field_mirrored")
 test_field_fast_odometry = field.check(
     "goal_field_fast_odometry", title="Keeps to 10 Hz when odometry comes at 100 Hz."
 )
+
+
+@check(field=True, asks=SAFETY, scenarios=("goal_field_odometry_stops",))
+def test_field_odometry_stops(runs: Runs) -> None:
+    """Stands when no odometry has come for half a second, and drives on when it is back."""
+    for recording in runs:
+        stands_without_odometry(recording)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from grader.checks.wiring import require_alive
 from grader.checks.words import every, logs
 from grader.exercises.goal_seeking.contract import (
     PERIOD,
+    REACTION,
     TOLERANCE,
     Quest,
     bad_input,
@@ -20,6 +22,7 @@ from grader.exercises.goal_seeking.contract import (
 from grader.recording import Recording
 from sim.messages import CMD_VEL_TOPIC
 
+STALE = 0.5  # [s] after which a pose says nothing of where the robot is
 LATE = 0.01  # [m] that a robot goes on: the pose it knows is up to an odometry message old
 RATE_TOLERANCE = 0.005  # [s] around the period
 AT_ONCE = 0.3  # [s] in which the node warns of what it ignores
@@ -76,6 +79,35 @@ def keeps_time(recording: Recording) -> None:
         if len(said):
             begin, end = float(said[0]), float(said[-1])
             every(recording, CMD_VEL_TOPIC, PERIOD, RATE_TOLERANCE, begin=begin, end=end, help=help)
+
+
+def stands_without_odometry(recording: Recording) -> None:
+    """Fail unless the robot is stopped when no pose has come for a while, and then goes on."""
+    require_alive(recording)
+    poses, twists = recording.odometry().t, recording.twists()
+    for last, again in pairwise(poses):
+        stopped = last + STALE + REACTION
+        if again <= stopped:
+            continue
+        ends = np.append(twists.t[1:], recording.duration_s)
+        moves = (twists.values != 0.0).any(axis=1) & (ends > stopped) & (twists.t < again)
+        if moves.any():
+            fail(
+                "the robot drives on though nobody knows where it is",
+                expected=f"a zero Twist when the newest pose is older than {STALE} s",
+                actual=f"the last pose came at {last:.2f} s",
+                at=max(stopped, float(twists.t[moves][0])),
+                recording=recording,
+                help="Keep the time of each pose, and ask the timer how old the newest is.",
+            )
+        if not twists.linear_x[(twists.t >= again) & (twists.t < again + REACTION)].any():
+            fail(
+                "the robot does not drive on when odometry is back",
+                expected=f"a command ahead by {REACTION:.2f} s after the first pose",
+                at=again + REACTION,
+                recording=recording,
+                help="What is stale is the pose, not the goal: keep the goal.",
+            )
 
 
 def announces(recording: Recording, quest: Quest) -> None:

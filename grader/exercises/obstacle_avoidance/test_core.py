@@ -48,13 +48,13 @@ def test_only_linear_x(runs: Runs) -> None:
 @check(points=10, asks=DECISION, task=4, scenarios=("avoid_zones", HUNDRED), hint="4.2")
 def test_clear_zone(runs: Runs) -> None:
     """From 1.0 m on the robot drives at 0.50 m/s."""
-    follows(runs, "clear", help="1.0 m itself belongs to the clear zone.")
+    follows(runs, "clear", help="From 1.0 m on, 1.0 m itself too, and after a stop as before it.")
 
 
 @check(points=10, asks=DECISION, task=4, scenarios=("avoid_zones",), hint="4.2")
 def test_slow_zone(runs: Runs) -> None:
     """From 0.5 m to below 1.0 m the robot drives at 0.15 m/s."""
-    follows(runs, "slow", help="0.5 m itself belongs to the slow zone.")
+    follows(runs, "slow", help="From 0.5 m itself to below 1.0 m, of the smallest distance ahead.")
 
 
 @check(points=10, asks=SAFETY, task=4, scenarios=("avoid_zones", HUNDRED, LONG), hint="4.2")
@@ -86,7 +86,9 @@ def test_infinite_readings(runs: Runs) -> None:
 @check(points=10, asks=DECISION, task=3, scenarios=("avoid_invalid",), hint="3.3")
 def test_invalid_readings(runs: Runs) -> None:
     """NaN, and finite readings outside range_min … range_max, are ignored; the others count."""
-    follows(runs, "invalid", help="Drop NaN: every comparison with it is false.")
+    follows(runs, "nan", help="Drop NaN: every comparison with it is false.")
+    help = "range_min and range_max themselves are distances; what lies beyond them is none."
+    follows(runs, "limits", help=help)
 
 
 @check(points=2, asks=SAFETY, task=3, scenarios=("avoid_too_close",), hint="3.4")

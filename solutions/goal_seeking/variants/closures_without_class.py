@@ -17,13 +17,14 @@ def main(args=None):
     log = node.get_logger()
     publisher = node.create_publisher(Twist, "/cmd_vel", 10)
     pose = goal = None
+    heard = 0  # [ns] when the pose came
 
     def on_odom(odom):
-        nonlocal pose
+        nonlocal pose, heard
         p, q = odom.pose.pose.position, odom.pose.pose.orientation
         new = (p.x, p.y, 2.0 * atan2(q.z, q.w))  # a robot on the floor only turns about z
         if all(map(isfinite, new)):
-            pose = new
+            pose, heard = new, node.get_clock().now().nanoseconds
         else:
             log.warning("odometry is not finite, ignored")
 
@@ -46,6 +47,9 @@ def main(args=None):
             publisher.publish(Twist())
             log.info("Goal reached!")
             goal = None
+            return
+        if node.get_clock().now().nanoseconds - heard > 5e8:
+            publisher.publish(Twist())
             return
         error = atan2(dy, dx) - yaw
         error = atan2(sin(error), cos(error))

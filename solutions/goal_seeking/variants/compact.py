@@ -28,6 +28,7 @@ class Agent(Node):
         yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
         if math.isfinite(p.x) and math.isfinite(p.y) and math.isfinite(yaw):
             self.pose = (p.x, p.y, yaw)
+            self.heard = self.get_clock().now()
         else:
             self.get_logger().warning("pose is not finite")
 
@@ -51,6 +52,8 @@ class Agent(Node):
             error = math.remainder(math.atan2(self.goal[1] - y, self.goal[0] - x) - yaw, math.tau)
             twist.linear.x = min(0.3, 0.5 * distance)
             twist.angular.z = max(-1.9, min(1.9, 2.0 * error))
+        if (self.get_clock().now() - self.heard).nanoseconds > 0.5e9:
+            twist = Twist()
         self.publisher.publish(twist)
 
 

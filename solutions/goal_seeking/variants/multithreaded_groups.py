@@ -21,6 +21,7 @@ class Belief:
     """What the agent knows, always read and written under the lock."""
 
     pose: tuple[float, float, float] | None = None  # x, y [m], yaw [rad]
+    heard: float = 0.0  # when the pose came [s]
     goal: tuple[float, float] | None = None  # x, y [m]
 
 
@@ -48,6 +49,10 @@ class GoalSeekingAgent(Node):
             return
         with self.lock:
             self.belief.pose = pose
+            self.belief.heard = self.now()
+
+    def now(self) -> float:
+        return self.get_clock().now().nanoseconds / 1e9
 
     def goal_callback(self, message: PoseStamped) -> None:
         goal = (message.pose.position.x, message.pose.position.y)
@@ -63,15 +68,16 @@ class GoalSeekingAgent(Node):
             if pose is None or goal is None:
                 return
             distance = math.dist(pose[:2], goal)
+            age = self.now() - self.belief.heard
             if distance <= 0.5:
                 self.belief.goal = None
         twist = Twist()
-        if distance > 0.5:
+        if distance > 0.5 and age < 0.5:
             bearing = math.atan2(goal[1] - pose[1], goal[0] - pose[0])
             error = math.remainder(bearing - pose[2], math.tau)
             twist.linear.x = min(0.3, 0.5 * distance)
             twist.angular.z = math.copysign(min(1.9, 2.5 * abs(error)), error)
-        else:
+        elif distance <= 0.5:
             self.get_logger().info("Goal reached!")
         self.publisher.publish(twist)
 
