@@ -130,8 +130,9 @@ class Runtime:
         """Run a trial and keep its recording under the name of its scenario; say how it ended.
 
         The order names the `file`, the `scenario`, all files of its exercise (`others`),
-        perhaps a `seed` and a `lead` [ns], and whether to `interrupt`. `{"lead": …}` in the answer:
-        the same again in a fresh copy, with this lead and what has been kept.
+        perhaps a `seed` and a `lead` [ns], whether to `interrupt`, and whether to `tell` what
+        `course drive` prints of it. `{"lead": …}` in the answer: the same again in a fresh copy,
+        with this lead and what has been kept.
         """
         from grader.link.in_process import StartEarlier
         from grader.trial.seeds import mixed_seed
@@ -156,7 +157,8 @@ class Runtime:
             )
         except StartEarlier as early:
             return json.dumps({"lead": early.lead})
-        return json.dumps(self._kept(recording))
+        told = {"printed": _summary(recording, submission)} if wanted.get("tell") else {}
+        return json.dumps({**told, **self._kept(recording)})
 
     def _read(self, file: Path, others: list[str]) -> Submission | None:
         """Return what to run; None: a launch file had to be read, and this is kept."""
@@ -190,8 +192,7 @@ class Runtime:
             how |= {"limits": Limits(total=PATIENCE), "lead": wanted.get("lead", 0)}
             with _to(sys.__stdout__, sys.__stderr__):  # for what the node prints
                 made.append(drive.drive_node(*what, **how))
-            made[0].compute.cpu[:] = math.nan  # nobody tells it here: what it costs is wall time
-            return made[0]
+            return _unmeasured(made[0])
 
         with _to(printed, printed):
             try:
@@ -263,6 +264,19 @@ class Runtime:
 
     def _place(self, scenario: str) -> Path:
         return self._recordings / f"{scenario}.pickle"
+
+
+def _unmeasured(recording: Recording) -> Recording:
+    recording.compute.cpu[:] = math.nan  # nobody tells it here: what it costs is wall time
+    return recording
+
+
+def _summary(recording: Recording, submission: Submission) -> str:
+    from grader.drive import print_summary
+
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        print_summary(_unmeasured(recording), file=submission.path.name)
+    return said.getvalue()
 
 
 def _callback_line(frame: FrameType | None, files: Collection[str]) -> tuple[str, int]:

@@ -49,7 +49,7 @@ def score_of(checks: Iterable[Mapping[str, Any]], essential: Essential | None) -
         return Score(raw, most, raw)
     titles = " and ".join(f"“{str(check.get('title')).rstrip('.')}”" for check in failed[:2])
     note = (
-        f"At most {cap:g} of {most:g} points as long as this fails: {titles}. {essential.why} "
+        f"At most {cap:g} of {most:g} points until this passes: {titles}. {essential.why} "
         f"Before this cap: {raw:g} points."
     )
     return Score(raw, most, cap, note)

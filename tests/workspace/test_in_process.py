@@ -22,6 +22,7 @@ from workspace.plan import fields, methods, plan
 
 FORKED = Path(__file__).with_name("forked.py")
 MEASURED = "callback_time"  # how long the machine computed, not virtual time
+LAST_BITS = ("numpy_polyfit",)  # LAPACK's sums depend on where in memory an array lies
 TOLD = ("outcome", "message", "expected", "actual", "help", "time", "scenario", "where", "log")
 CLAIMS = {claim.name: claim for exercise in all_exercises() for claim in claims(exercise)}
 GRADED = [
@@ -37,7 +38,7 @@ GRADED = [
     "three_nodes/mutant/two_drivers",
 ]
 if os.environ.get("COURSE_PAGE") == "full":  # hours; -k avoidance takes one exercise
-    GRADED = list(CLAIMS)
+    GRADED = [name for name, claim in CLAIMS.items() if claim.stem not in UNSETTLED]
 
 
 @pytest.mark.long
@@ -78,7 +79,7 @@ def test_the_page_judges_as_course_grade_does(
     assert found["practice"]
     for recording in expected.recordings:
         touched = recording.truth.contact.any()  # the stand-in's push differs by up to a millimetre
-        if claim.stem not in UNSETTLED and not touched:
+        if claim.stem not in LAST_BITS and not touched:
             kept: Recording = pickle.loads((tmp_path / f"{recording.name}.pickle").read_bytes())[0]
             assert comparable(kept).digest() == comparable(recording).digest(), recording.name
 

@@ -15,12 +15,19 @@ function afterDots(words) {
   };
 }
 
+/** Go to the end of the line, not of what the window shows of it. */
+function toEnd(view) {
+  view.dispatch({ selection: { anchor: view.state.doc.lineAt(view.state.selection.main.head).to }, scrollIntoView: true });
+  return true;
+}
+
 /** Return an editor: its text, and marks on lines. `keys` are shortcuts, by CodeMirror's names. */
 export function makeEditor({ parent, text, label, onChange, keys, words }) {
   const view = new EditorView({
     doc: text,
     parent,
     extensions: [
+      keymap.of([{ key: 'End', run: toEnd }]),
       keymap.of(Object.entries(keys).map(([key, act]) => ({ key, run: () => { act(); return true; } }))),
       basicSetup,
       python(),

@@ -6,6 +6,7 @@ import { Workspace, button } from './workspace.js';
 
 const JUDGE_EVERY = 2; // [s] while a check drives on: each time costs about half a second
 const GREEN = ['pass', 'unavailable'];
+const WRONG = ['fail', 'error', 'inconclusive'];
 const OUTCOMES = {
   pass: '✓ passed', fail: '✗ failed', skip: '– not judged', error: '! the grader failed', inconclusive: '? undecided',
   unavailable: '– not available',
@@ -93,7 +94,8 @@ export class Exercise extends Workspace {
       const file = isOwn ? this.names[0] : this.file;
       hand.doing = isOwn ? `Driving in ${scenario}` : `Driving ${file} in ${scenario}`;
       this.say(`${hand.doing} …`);
-      const [ended, recordings] = await this.trial(hand, scenario, this.text, { file, ...seed });
+      const [ended, recordings] = await this.trial(hand, scenario, this.text, { file, tell: true, ...seed });
+      this.score.replaceChildren(el('pre', { class: 'ws-printed', tabindex: 0, 'aria-label': 'The drive' }, ended.printed));
       this.show('replay');
       return this.showDrive(ended, scenario, recordings, this.plan.title);
     });
@@ -161,6 +163,7 @@ export class Exercise extends Workspace {
       grading.cap ? `${grading.cap} ` : '', el('span', { class: 'ws-note' }, grading.notes.join(' ')),
       cause ? el('p', { class: 'ws-cause' }, el('strong', {}, 'Cause: '), cause.text,
         cause.where ? el('pre', {}, cause.where) : null) : '');
+    this.sort(grading.checks);
     const first = grading.checks.find((check) => check.outcome === 'fail');
     if (!first) await this.playChecked(this.driven, grading.checks);
     else if (first.scenario) await this.playChecked([first.scenario], [first]);
@@ -183,13 +186,26 @@ export class Exercise extends Workspace {
         el('span', { class: 'ws-points' }, `${check.points}`)), detail);
     const fill = (result) => {
       row.dataset.outcome = result ? result.outcome : atFirst;
-      title.textContent = (result || check).title; // one that failed at its door is called by that
+      title.replaceChildren((result || check).title, ' ', el('code', {}, check.id)); // one that failed at its door is called by that
       state.textContent = OUTCOMES[result ? result.outcome : atFirst] ?? '○ open';
+      detail.hidden = false;
       detail.replaceChildren(...(result && result.outcome !== 'pass' ? this.details(result) : []));
     };
     fill(null);
-    this.rows[check.id] = { fill };
+    this.rows[check.id] = { fill, row, detail };
     return row;
+  }
+
+  /** Have what failed first, then what was not judged, and each reason for that once. */
+  sort(checks) {
+    const rank = ({ outcome }) => (WRONG.includes(outcome) ? 0 : 1 + GREEN.includes(outcome));
+    const said = new Set();
+    for (const check of [...checks].sort((a, b) => rank(a) - rank(b))) {
+      const { row, detail } = this.rows[check.id];
+      row.parentElement.append(row);
+      detail.hidden = check.outcome === 'skip' && said.has(check.message);
+      said.add(check.message);
+    }
   }
 
   fill(grading, ids) {

@@ -35,16 +35,27 @@ export class Shelf {
     }
   }
 
-  /** Return whether no other tab has this shelf; until this one is closed, none gets it. */
+  /** Return whether no other tab has this shelf, and keep nothing if one has; until this one is closed, none gets it. */
   isAlone() {
     if (!navigator.locks) return true; // without https
     return new Promise((resolve) => {
       navigator.locks.request(this.key, { ifAvailable: true }, (lock) => {
         this.isElsewhere = !lock;
+        this.works &&= Boolean(lock);
         resolve(Boolean(lock));
         return lock && new Promise(() => {});
       }).catch(() => resolve(true));
     });
+  }
+
+  /** Wait until the other tab is closed: keep again, and its text as a version. */
+  async whenAlone() {
+    await new Promise((resolve) => {
+      navigator.locks.request(this.key, () => { resolve(); return new Promise(() => {}); });
+    });
+    this.kept = JSON.parse(localStorage.getItem(this.key)) || {};
+    this.works = true;
+    if (this.text !== null) this.add(this.text, 'of the other tab');
   }
 
   get text() { return typeof this.kept.text === 'string' ? this.kept.text : null; }

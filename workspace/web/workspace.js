@@ -13,7 +13,9 @@ const LONGEST = 8000; // [characters] of a link: longer ones are cut where they 
 const NOTHING_KEPT = 'This browser keeps nothing for this site: download your file before you leave the page.';
 const NO_MEMORY = 'The browser had no memory left: your node may keep or print too much. What you typed is not lost.';
 const BROKEN_PYTHON = 'Your node broke Python itself, with os.abort() or something that is nested too deeply. It starts anew.';
-const ELSEWHERE = 'This is open in another tab, too. What you type here is not kept: close one of them, and reload the other.';
+const WHY_WRONG = 'If your node changes numpy, builtins or sys.modules, that is why; if not, reload the page.';
+const ELSEWHERE = 'This is open in another tab, too: what you type here is kept once that one is closed.';
+const FREE = 'The other tab is closed: what you type here is kept again. Its text is among the versions.';
 const KEYS = 'Enter keeps the indent, Ctrl-] and Ctrl-[ change it, Tab leaves the editor.';
 const BROKEN = 'The link to this page holds no code that can be read: it was cut on its way. Ask for the file instead.';
 
@@ -64,6 +66,7 @@ export class Workspace {
   /** Build the dialog: `tools` in its bar, `fileTools` of its kind, `panes` by their names: the third is its own. */
   build({ label, title, tools, fileTools = [], result, names, empty }) {
     this.status = el('p', { class: 'ws-status', role: 'status' });
+    this.warning = el('p', { class: 'ws-question', hidden: true });
     this.question = el('div', { class: 'ws-question', hidden: true, role: 'alert' });
     this.stopButton = button('Stop', () => this.machine.stop(), { hidden: true });
     this.versions = el('select', { 'aria-label': 'Earlier versions', onchange: () => this.restore() });
@@ -89,7 +92,7 @@ export class Workspace {
           button('Link', () => this.share(), { title: 'A link that carries your code' }),
           button('Download', () => this.download(), { title: this.names[1] ? 'The file that is shown' : this.file })),
         button('Close', () => this.dialog.close(), { class: 'ws-close' })),
-      el('div', { class: 'ws-news' }, this.status, this.stopButton, this.question),
+      el('div', { class: 'ws-news' }, this.status, this.stopButton, this.question, this.warning),
       el('nav', { class: 'ws-tabs', 'aria-label': 'Show' }, this.tabs),
       el('div', { class: 'ws-panes' }, this.code, this.replay,
         el('div', { class: 'ws-result', 'data-pane': 'result', role: 'region', tabindex: 0, 'aria-label': names[2] }, this.stale, result, this.log)));
@@ -108,12 +111,12 @@ export class Workspace {
     stand(this.hash); // a reload comes back here, and does not bring the link's code again
     this.machine.serve(this);
     if (!this.editor) {
-      if (!await this.shelf.isAlone()) this.shelf.works = false;
+      if (!await this.shelf.isAlone()) this.shelf.whenAlone().then(() => this.keepAgain());
       await this.makeEditor();
     }
     if (matchMedia('(pointer: fine)').matches) this.editor.focus();
     const said = code === null ? [] : [await this.take(code)];
-    if (!this.shelf.works) said.push(this.shelf.isElsewhere ? ELSEWHERE : NOTHING_KEPT);
+    if (!this.shelf.works) this.warn(this.shelf.isElsewhere ? ELSEWHERE : NOTHING_KEPT);
     this.say(said.join(' '));
     if (this.whyNot) this.say([this.whyNot, ...said].join(' '));
     else {
@@ -167,6 +170,20 @@ export class Workspace {
 
   // --- what is shown
 
+  /** Say what goes on being true, above what is under way. */
+  warn(text) {
+    this.warning.textContent = text;
+    this.warning.hidden = !text;
+  }
+
+  /** The other tab is closed. */
+  keepAgain() {
+    this.warn('');
+    this.shelf.text = this.isChanged ? this.text : null;
+    this.listVersions();
+    this.say(FREE);
+  }
+
   say(text) { this.status.textContent = text; }
 
   /** Note of which text the third pane speaks. */
@@ -201,7 +218,7 @@ export class Workspace {
   /** Python says nothing: whether to wait is the reader's choice. */
   ask(hand) {
     this.question.replaceChildren(
-      el('span', {}, `Time has stood still for ${PATIENCE} s (at ${hand.reached.toFixed(1)} s of ${hand.where}): `
+      el('span', {}, `Time has stood still for ${PATIENCE} s (${hand.where}, after ${hand.reached.toFixed(1)} s): `
         + 'the node computes, or a loop never ends. '),
       button('Wait', () => { this.question.hidden = true; hand.watch(); }),
       button('Stop it', () => this.machine.stop()));
@@ -245,7 +262,7 @@ export class Workspace {
       if (error instanceof Stopped) this.say('Stopped.');
       else if (/out of memory|allocat|MemoryError/i.test(text)) this.say(NO_MEMORY);
       else if (/call stack|out of bounds|unreachable|Aborted|fatal/i.test(text)) this.say(BROKEN_PYTHON);
-      else this.say(`This went wrong in the page, not in your node; try again, or reload it. ${text.trim().split('\n').at(-1)}`);
+      else this.say(`Python went wrong, outside your node: ${text.trim().split('\n').at(-1)}. ${WHY_WRONG}`);
       if (!(error instanceof Stopped)) this.hear(null, { kind: 'out', text });
     }
     this.busy = false;

@@ -46,7 +46,7 @@ def test_the_cap_is_a_share_of_the_points_that_count() -> None:
     assert (score.most, score.raw, score.points) == (80, 70, 40)
     assert score.share == pytest.approx(40 / 70)
     assert score.note == (
-        "At most 40 of 80 points as long as this fails: “stop works”. Somebody is in the way. "
+        "At most 40 of 80 points until this passes: “stop works”. Somebody is in the way. "
         "Before this cap: 70 points."
     )
 
