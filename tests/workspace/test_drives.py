@@ -22,7 +22,9 @@ from workspace.runtime import REFUSED
 FORKED = Path(__file__).with_name("forked.py")
 LISTING = re.compile(r"(?ms)^```\{code-block\} python\n:caption: (\S+)\n\n(.*?)^```$")
 # of the machine, not of the node
-COMPUTE = re.compile(r"(?m)^  (Compute: |WARNING: \d+ times the node computed).*\n(?:\S.*\n)*")
+COMPUTE = re.compile(
+    r"(?m)^  (Compute: |WARNING: (once|\d+ times) the node computed).*\n(?:\S.*\n)*"
+)
 DRIVEN = [
     ("loop", "one_beam_agent.py --scenario demo_wall"),
     ("loop", "one_beam_agent.py --scenario demo_wall --param decision:=table"),
