@@ -22,7 +22,9 @@ from workspace.runtime import REFUSED
 FORKED = Path(__file__).with_name("forked.py")
 LISTING = re.compile(r"(?ms)^```\{code-block\} python\n:caption: (\S+)\n\n(.*?)^```$")
 # of the machine, not of the node
-COMPUTE = re.compile(r"(?m)^  (Compute: |WARNING: \d+ times the node computed).*\n(?:\S.*\n)*")
+COMPUTE = re.compile(
+    r"(?m)^  (Compute: |WARNING: (once|\d+ times) the node computed).*\n(?:\S.*\n)*"
+)
 DRIVEN = [
     ("loop", "one_beam_agent.py --scenario demo_wall"),
     ("loop", "one_beam_agent.py --scenario demo_wall --param decision:=table"),
@@ -37,7 +39,7 @@ DRIVEN = [
     ("real_time", "stale.py --scenario demo_wall --duration 10 --param depth:=5"),
     ("real_time", "beat.py --scenario demo_wall --duration 6 --param threads:=2"),
     ("awaiting", "awaiting.py --scenario demo_wall --duration 4"),
-    ("emergency_stop", "gate.py --scenario safe_e_stop --duration 14"),
+    ("emergency_stop", "gate.py --scenario demo_e_stop"),
     ("turtlebot", "first_metres.py --scenario demo_wall --duration 5 --param stamped:=false"),
     ("plans", "errand.py --scenario demo_open --duration 25"),
     ("parameters", "adjustable.py --scenario live_knob"),

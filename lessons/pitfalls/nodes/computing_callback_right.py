@@ -9,6 +9,7 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -17,7 +18,7 @@ NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 def predict(scan: LaserScan) -> float:
     """Return the forward speed for a room of this size [m/s]."""
     time.sleep(0.51)  # stands for a large network
-    return 0.5 if max(scan.ranges) > 3.0 else 0.2
+    return 0.5 if max(scan.ranges, default=0.0) > 3.0 else 0.2
 
 
 def front_distance(scan: LaserScan) -> float | None:
@@ -35,7 +36,7 @@ class CarefulDriver(Node):
     def __init__(self) -> None:
         super().__init__("careful_driver")
         self.scan: LaserScan | None = None  # the newest
-        self.speed = 0.0  # [m/s] the newest prediction
+        self.said: tuple[float, LaserScan] | None = None  # the newest prediction [m/s], and of what
         self.publisher = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(LaserScan, "/scan", self.scan_callback, NEWEST)
         self.create_timer(0.05, self.control_callback)
@@ -46,15 +47,22 @@ class CarefulDriver(Node):
         self.scan = scan
 
     def think_callback(self) -> None:
-        if self.scan is not None:
-            self.speed = predict(self.scan)
+        scan = self.scan
+        if scan is not None:
+            self.said = predict(scan), scan
 
     def control_callback(self) -> None:
-        distance = None if self.scan is None else front_distance(self.scan)
+        scan, said = self.scan, self.said
         command = Twist()
-        if distance is not None and distance >= 0.8:
-            command.linear.x = self.speed
+        if scan is not None and said is not None and self.age(scan) < 0.75:
+            distance, (speed, seen) = front_distance(scan), said
+            if distance is not None and distance >= 0.8 and self.age(seen) < 1.5:
+                command.linear.x = speed
         self.publisher.publish(command)
+
+    def age(self, scan: LaserScan) -> float:
+        """Return how long ago a scan was measured [s]."""
+        return (self.get_clock().now() - Time.from_msg(scan.header.stamp)).nanoseconds / 1e9
 
 
 def main(args: list[str] | None = None) -> None:

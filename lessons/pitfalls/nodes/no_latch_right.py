@@ -11,7 +11,7 @@ class StopGate(Node):
     def __init__(self) -> None:
         super().__init__("stop_gate")
         self.pressed = False
-        self.stopped = False  # until somebody starts it
+        self.stopped = True  # until somebody starts it
         self.publisher = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(Twist, "/cmd_vel_raw", self.command_callback, 10)
         self.create_subscription(Bool, "/e_stop", self.e_stop_callback, 10)

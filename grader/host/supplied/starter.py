@@ -1,0 +1,49 @@
+"""Presses *start*: calls /start, where a node offers it, and logs the answer."""
+
+import threading
+import time
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+
+class Starter(Node):  # type: ignore[misc]
+    """Somebody who sees the robot."""
+
+    def __init__(self) -> None:
+        super().__init__("course_starter")
+        times = self.declare_parameter("press_at", [0.0]).value  # [s]
+        self.client = self.create_client(Trigger, "/start")
+        threading.Thread(target=self.press, args=(times,), daemon=True).start()
+
+    def press(self, times: list[float]) -> None:
+        """Press at each time."""
+        begin = time.monotonic()
+        for at in times:
+            time.sleep(max(0.0, begin + at - time.monotonic()))
+            if self.client.service_is_ready():
+                self.client.call_async(Trigger.Request()).add_done_callback(self.tell)
+
+    def tell(self, answer: Future) -> None:
+        """Log what the node said."""
+        response = answer.result()
+        word = "accepted" if response.success else "refused"
+        self.get_logger().info(f"start: {word}, {response.message}".rstrip(", "))
+
+
+def main() -> None:
+    """Press until the trial ends."""
+    try:
+        rclpy.init()
+        rclpy.spin(Starter())
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()
