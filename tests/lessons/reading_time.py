@@ -1,4 +1,4 @@
-"""How long a page takes a reader whose first language is not English (`index.md` says the rates)."""
+"""How long a page takes a reader with English as a second language (`index.md` says the rates)."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from contract import read
 from lesson_pages import PAGES, QUESTION
-from reading_time import minutes, unfolded
+from reading_time import ACTS, CODE, WORDS, minutes, unfolded
 
 SOURCES = {page.stem: page.read_text("utf-8") for page in PAGES}
 PROMISED = re.compile(r"(?m)^\*(\d+) minutes?(?:, (\d+) with all that is folded)?\b")
@@ -48,6 +48,19 @@ def test_the_ways_of_the_front_page_add_up_and_their_pages_say_the_same() -> Non
             assert f"| **All of it** | **{total}** | **{whole}** |" in way
 
 
+def test_the_front_page_says_how_the_minutes_are_counted() -> None:
+    said = " ".join(SOURCES["index"].split())
+    seconds = [f"{60 * ACTS[act]:.0f}" for act in ("{question}", "{watch}", "{figure}")]
+    assert f"{WORDS} words, {CODE['python']} lines of a program or {CODE['output']} lines" in said
+    assert (
+        "{} seconds for a question or a figure to play with, {} for a replay, {} for".format(
+            *seconds
+        )
+        in said
+    )
+    assert ACTS["{play}"] == ACTS["{question}"]
+
+
 def test_a_short_page_is_not_promised_as_a_long_one() -> None:
     code = "```python\n" + "x = 1\n\n" * 30 + "```\n"
     folded = f"<details><summary>More</summary>\n\n{code}<details>\n{code}</details></details>\n"
@@ -58,8 +71,7 @@ def test_a_short_page_is_not_promised_as_a_long_one() -> None:
 
 
 ASKED = {
-    name: [block["body"] for block in QUESTION.finditer(source)]
-    for name, source in SOURCES.items()
+    name: [block["body"] for block in QUESTION.finditer(source)] for name, source in SOURCES.items()
 }
 RIGHT = re.compile(r"(?m)^- \[x\] (.+)$")
 
