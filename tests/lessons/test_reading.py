@@ -70,6 +70,19 @@ def test_a_short_page_is_not_promised_as_a_long_one() -> None:
     assert minutes(asked) == pytest.approx(0.75)
 
 
+def test_who_guesses_finds_the_answer_without_a_replay() -> None:
+    watched = re.compile(r"(?ms)^```\{watch\} (.*?)^```\n\n(.*?)$")
+    follows = [
+        after
+        for source in SOURCES.values()
+        for caption, after in watched.findall(source)
+        if "**Guess first:**" in caption
+    ]
+    assert len(follows) >= 8
+    for after in follows:
+        assert after.startswith(("```console", '<details class="look">')), after
+
+
 ASKED = {
     name: [block["body"] for block in QUESTION.finditer(source)] for name, source in SOURCES.items()
 }
