@@ -77,7 +77,7 @@
     const kept = mine().answers || {};
     own.value = kept[number] || '';
     const open = () => { if (model) model.hidden = own.value.trim().split(/\s+/).length < 8; };
-    const hint = make('p', { className: 'hint' }, 'Write a sentence or two; then compare.');
+    const hint = make('p', { className: 'hint' }, 'Write three to six sentences; then compare.');
     if (model) model.before(hint);
     own.addEventListener('input', () => {
       open();
@@ -205,11 +205,25 @@
   window.addEventListener('hashchange', unfold);
   unfold();
 
-  let folded = [];
+  // On paper all is open but the answers: those of questions and guesses stand on a last page
+  let turned = [];
   window.addEventListener('beforeprint', () => {
-    folded = all('details:not([open], .model-answer)');
-    folded.forEach((details) => { details.open = true; });
+    turned = all('details:not([open], .model-answer, .look), details.look[open]');
+    turned.forEach((details) => { details.open = !details.open; });
+    const asked = all('.ask, .look > summary');
+    if (!asked.length) return;
+    const answers = make('section', { className: 'answers' }, make('h2', {}, 'Answers'));
+    for (const [number, ask] of asked.entries()) {
+      ask.dataset.answer = number + 1;
+      const right = ask.parentElement.querySelector('.option[data-right]');
+      const told = right ? [`${right.textContent}. `, ...right.nextElementSibling.childNodes] : [...ask.parentElement.childNodes].slice(1);
+      answers.append(make('div', {}, make('strong', {}, `${number + 1} `), ...told.map((part) => part.cloneNode?.(true) ?? part)));
+    }
+    article.append(answers);
   });
-  window.addEventListener('afterprint', () => folded.forEach((details) => { details.open = false; }));
+  window.addEventListener('afterprint', () => {
+    turned.forEach((details) => { details.open = !details.open; });
+    article.querySelector('.answers')?.remove();
+  });
   showProgress();
 })();

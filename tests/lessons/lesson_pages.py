@@ -13,6 +13,7 @@ sys.path[:0] = [path for path in [str(LESSONS)] if path not in sys.path]
 
 PAGES = sorted(path for path in LESSONS.glob("*.md") if path.name != "quiz.md")
 FENCE = re.compile(r"(?ms)^```(?P<info>[^\n`]+)\n(?P<body>.*?)^```$")
+QUESTION = re.compile(r"(?ms)^:::\{question\} (?P<body>.*?)^:::$")
 OPTION = re.compile(r"^:([\w-]+): ?(.*)$")
 
 
@@ -52,7 +53,10 @@ def blocks(page: Path) -> list[Block]:
 
 
 def prose(page: Path) -> list[tuple[int, str]]:
-    """Return (line number, text) of what a page says in words: no code, no numbers by role."""
+    """Return (line number, text) of what a page says in words: no code, no numbers by role.
+
+    Nor questions, whose numbers are examples: test_reading.py computes their answers.
+    """
     source = page.read_text("utf-8")
 
     def blank(match: re.Match[str]) -> str:
@@ -62,7 +66,7 @@ def prose(page: Path) -> list[tuple[int, str]]:
         kind = match["info"].strip().replace("{code-block} ", "").strip("{}").split()[0]
         return blank(match) if kind in ("python", "console", "output") else match[0]
 
-    source = FENCE.sub(blank_code, source)
+    source = QUESTION.sub(blank, FENCE.sub(blank_code, source))
     source = re.sub(r"\{contract\}`[^`]+`", blank, source)
     source = re.sub(r"`[^`\n]+`", blank, source)
     return list(enumerate(source.splitlines(), 1))

@@ -26,13 +26,15 @@ UNIT = re.compile(
 BY_HAND = {
     "120 cm": "frames: an example of a distance",
     "0.001 ms": "real_time: what perf_counter says of computing in virtual time",
+    "1.5 m": "loop: the listing's own threshold",
+    "0.3 m/s": "parameters: the listing's own speed",
+    "45 seconds": "index: how its minutes are counted",
     "20 ms": "why: what people say of their model, an example",
     "0.4 m": "state: 2 s at the odometer's own speed",
     "170°": "state: an example of an angle",
     "-170°": "state: an example of an angle",
     "-340°": "state: an example of an angle",
     "20°": "state: an example of an angle",
-    "340°": "state: an example of an angle",
     "1 m/s": "state: the closing speed of the example's four readings",
 }
 # Numbers that stand in programs, as the contract has them.
@@ -153,18 +155,6 @@ def test_page_writes_no_number_of_the_contract_by_hand(page: Path) -> None:
         if found[0].strip() not in BY_HAND
     ]
     assert by_hand == [], "use {contract}`key`, or say in BY_HAND why not"
-
-
-def test_the_ways_of_the_front_page_add_up_and_their_pages_say_the_same() -> None:
-    parts = re.split(r"(?m)^## ", (LESSONS / "index.md").read_text("utf-8"))
-    ways = [part for part in parts if re.match(r"The .*lesson,? in \d+ minutes", part)]
-    assert len(ways) == 2
-    for way in ways:
-        rows = re.findall(r"(?m)^\| (?:\[[^|]+\]\((\w+)\.md\)|This page) \| *(\d*) *\|", way)
-        assert sum(int(minutes or 0) for _, minutes in rows) == int(re.findall(r"\d+", way)[0])
-        for page, minutes in rows:
-            text = (LESSONS / f"{page}.md").read_text("utf-8") if page else ""
-            assert not (page and minutes) or re.search(rf"(?m)^\*{minutes} minutes?\b", text), page
 
 
 def words_of(figure: Path) -> str:

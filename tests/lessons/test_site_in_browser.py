@@ -53,11 +53,43 @@ def test_every_page_opens_without_a_complaint(open_file: Any, site: Path) -> Non
         assert page.locator("article").inner_text().strip(), name
 
 
-def test_folded_answers_are_printed(open_file: Any, site: Path) -> None:
-    page = open_file(site / "real_time.html")
-    for event, folded in (("beforeprint", False), ("afterprint", True)):
-        page.evaluate(f"window.dispatchEvent(new Event('{event}'))")
-        assert bool(page.locator("article details:not([open])").count()) == folded
+def test_on_paper_all_is_open_and_the_answers_stand_last(open_file: Any, site: Path) -> None:
+    page = open_file(site / "node.html")
+    page.locator(".option[data-right]").first.click()
+    page.emulate_media(media="print")
+    page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert page.locator("article details:not([open]):not(.look)").count() == 0
+    asked = page.locator("article [data-answer]").count()
+    assert asked == page.locator(".ask, .look > summary").count() > 2
+    assert page.locator(".answers > div").count() == asked
+    told = page.locator(".answers").inner_text()
+    for right in page.locator(".option[data-right]").all():
+        assert right.inner_text() in told
+        assert "\u2713" not in right.evaluate("(e) => getComputedStyle(e, '::before').content")
+    assert page.locator(".feedback:visible, .look[open]").count() == 0
+    assert page.evaluate("document.querySelector('article').lastChild.className") == "answers"
+    page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+    assert page.locator(".answers").count() == 0
+    assert page.locator("article details[open]").count() == 0
+
+
+def test_a_question_is_printed_beside_its_box(open_file: Any, site: Path) -> None:
+    page = open_file(site / "check_your_understanding.html")
+    page.emulate_media(media="print")
+    boxes = page.locator(".own-answer").all()
+    assert len(boxes) == 5
+    for box in boxes:
+        together = "(e) => getComputedStyle(e.closest('section')).breakInside"
+        assert box.evaluate(together) == "avoid"
+
+
+@pytest.mark.parametrize("name", ["loop", "real_time"])
+def test_on_a_desk_no_listing_is_cut_off(open_file: Any, site: Path, name: str) -> None:
+    page = open_file(site / f"{name}.html", viewport={"width": 1440, "height": 900})
+    page.evaluate("document.querySelectorAll('details').forEach((e) => { e.open = true; })")
+    wider = "(all) => all.filter((e) => e.scrollWidth > e.clientWidth + 1).map((e) => e.innerText)"
+    assert page.locator(".highlight-python pre").evaluate_all(wider) == []
+    assert page.evaluate("document.documentElement.scrollWidth") <= 1440
 
 
 def test_search_finds_a_section(open_file: Any, site: Path) -> None:
