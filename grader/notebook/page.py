@@ -31,7 +31,8 @@ PATIENCE = 30.0  # [s] without a word of a trial
 INSTALLED = "take the installed course"
 READY = (
     "Ready: nodes run in this browser, for practice. Your instructor's grade comes from the real "
-    "rclpy on Linux."
+    "rclpy on Linux. A browser interrupts no cell: restart the kernel instead, and run this cell "
+    "again."
 )
 NO_WAITING = (
     "nodes can't run in this browser: a cell has to wait for them, which takes Chrome or Edge 137, "

@@ -78,7 +78,8 @@ def _programs(
     scenario: Scenario, submission: Submission, folder: Path, arguments: Sequence[str]
 ) -> tuple[ProgramStart, ...]:
     """Return what to run: the submission's own file, or what the scenario asks for."""
-    common = (*arguments, *parameter_arguments(scenario.node.parameters))
+    own = parameter_arguments(scenario.node.parameters)
+    given = (*arguments, *own)
     for spec in scenario.program:
         if spec.supplied:
             shutil.copyfile(SUPPLIED / spec.file, folder / spec.file)
@@ -86,7 +87,11 @@ def _programs(
         ProgramStart(
             file=str(folder / program.file),
             entry=program.entry,
-            arguments=(*program.arguments, *_first(common, program, folder), *spec.arguments),
+            arguments=(
+                *program.arguments,
+                *_first(own if spec.supplied else given, program, folder),
+                *spec.arguments,
+            ),
             start=round(spec.start * 1e9),
             stop=None if spec.stop is None else round(spec.stop * 1e9),
             hides=scenario.node.hides,

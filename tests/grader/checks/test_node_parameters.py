@@ -28,7 +28,9 @@ rclpy.spin(node)
 def test_a_node_is_asked_while_it_runs(tmp_path: Path, forkserver: ForkServer) -> None:
     (tmp_path / "node.py").write_text(NODE)
     submission = find_submission(tmp_path / "node.py")
-    recording = drive_node(submission, load_scenario("live_knob"), forkserver)
+    for_the_node = ["--ros-args", "-p", "spare:=1"]  # not for the program beside it
+    scenario = load_scenario("live_knob")
+    recording = drive_node(submission, scenario, forkserver, arguments=for_the_node)
     first, second = orders(recording)
     assert (first.at, first.wanted, second.wanted) == (3.0, {"speed": 0.1}, {"speed": 30.0})
     assert first.answer and first.answer.accepted
