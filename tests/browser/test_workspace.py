@@ -225,6 +225,25 @@ def test_two_hundred_trials_in_one_worker_leave_nothing_behind(open_workspace: A
     assert first == last
 
 
+def test_a_drive_slower_than_a_robots_is_called_that(open_workspace: Any) -> None:
+    page = open_workspace()
+    settle(page)
+    text = (find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py").read_text()
+    slow = "sum(i * i for i in range(4_000_000))"
+    type_in(page, text.replace("distance = front_distance(scan)", f"distance = {slow}"))
+    page.keyboard.press("Control+Enter")
+    page.locator(".ws-status", has_text="more slowly than a robot").wait_for(timeout=SLOW)
+    page.get_by_role("button", name="Stop", exact=True).click()
+
+
+def test_a_drive_tells_what_course_drive_tells(open_workspace: Any) -> None:
+    page = open_workspace()
+    settle(page)
+    page.get_by_role("button", name="Drive").click()
+    settle(page)
+    assert "nothing was published on /cmd_vel" in page.get_by_label("The drive").inner_text()
+
+
 def test_what_was_typed_survives_a_stop_and_a_reload(open_workspace: Any) -> None:
     page = open_workspace()
     settle(page)
@@ -270,7 +289,7 @@ def test_what_is_missing_is_said_in_a_sentence_and_one_can_type(
     open_workspace: Any, slug: str, hash_: str, script: str, said: str
 ) -> None:
     page = open_workspace(hash_, slug, script)
-    page.locator(".ws-status", has_text=said).wait_for(timeout=SLOW)
+    page.locator(".ws-news", has_text=said).wait_for(timeout=SLOW)
     type_in(page, "# mine")
     assert typed(page).strip() == "# mine"
 
@@ -387,10 +406,15 @@ def test_two_tabs_do_not_overwrite_each_other(open_workspace: Any) -> None:
     type_in(page, "# mine\n")
     other = page.context.new_page()
     other.goto(page.url)
-    other.locator(".ws-status", has_text="open in another tab").wait_for(timeout=SLOW)
+    other.locator(".ws-news", has_text="open in another tab").wait_for(timeout=SLOW)
     type_in(other, "# theirs\n")
     page.reload()
     page.locator(".cm-line", has_text="mine").wait_for()
+    page.close()
+    other.locator(".ws-status", has_text="The other tab is closed").wait_for(timeout=SLOW)
+    other.reload()
+    other.locator(".cm-line", has_text="theirs").wait_for()
+    assert other.get_by_label("Earlier versions").locator("option").count() == 2
 
 
 def test_a_python_that_a_node_broke_starts_anew(open_workspace: Any) -> None:

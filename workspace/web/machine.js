@@ -36,6 +36,7 @@ class Hand {
   async call(call, order, { files = {}, recordings = {} }) {
     await this.ready();
     [this.reached, this.where] = [0, order.scenario || (call === 'judge' ? 'the judgement' : 'the drive')];
+    this.began = performance.now();
     this.watch();
     try {
       const { said, recordings: made } = await this.send({ call, order, files, recordings });

@@ -3,6 +3,7 @@
 import { el } from './element.js';
 
 const KEPT = 20; // versions
+const RELOAD = 3000; // [ms] in which a tab that is loaded again is back
 const AROUND = 2; // lines around a change
 
 /** Return the text of several files, by their names; one file is its own text. */
@@ -50,9 +51,10 @@ export class Shelf {
 
   /** Wait until the other tab is closed: keep again, and its text as a version. */
   async whenAlone() {
-    await new Promise((resolve) => {
-      navigator.locks.request(this.key, () => { resolve(); return new Promise(() => {}); });
-    });
+    do {
+      await navigator.locks.request(this.key, () => {}); // the other tab is closed, or is just being loaded again
+      await new Promise((resolve) => { setTimeout(resolve, RELOAD); });
+    } while (!await this.isAlone());
     this.kept = JSON.parse(localStorage.getItem(this.key)) || {};
     this.works = true;
     if (this.text !== null) this.add(this.text, 'of the other tab');

@@ -14,6 +14,8 @@ const NOTHING_KEPT = 'This browser keeps nothing for this site: download your fi
 const NO_MEMORY = 'The browser had no memory left: your node may keep or print too much. What you typed is not lost.';
 const BROKEN_PYTHON = 'Your node broke Python itself, with os.abort() or something that is nested too deeply. It starts anew.';
 const WHY_WRONG = 'If your node changes numpy, builtins or sys.modules, that is why; if not, reload the page.';
+const SLOW = 5; // [s] of a drive that say nothing of the node yet
+const SLOWLY = ', more slowly than a robot drives: does a callback compute too long?';
 const ELSEWHERE = 'This is open in another tab, too: what you type here is kept once that one is closed.';
 const FREE = 'The other tab is closed: what you type here is kept again. Its text is among the versions.';
 const KEYS = 'Enter keeps the indent, Ctrl-] and Ctrl-[ change it, Tab leaves the editor.';
@@ -211,7 +213,8 @@ export class Workspace {
     }
     if (kind === 'reached') {
       this.question.hidden = true;
-      this.say(`${hand.doing}: ${seconds.toFixed(1)} s driven`);
+      const took = (performance.now() - hand.began) / 1000; // [s]
+      this.say(`${hand.doing}: ${seconds.toFixed(1)} s driven${took > Math.max(SLOW, seconds) ? SLOWLY : ''}`);
     }
   }
 
