@@ -79,8 +79,14 @@ def _place(hunk: _Hunk, lines: list[str], name: str) -> int:
     hint = "add a line beside it, to tell the places apart"
     if not places:
         strange = next((line for line in hunk.old if line not in lines), None)
-        hint = "its lines are there, but not one after another"
-        if strange is not None:
+        if strange is None:
+            n, i = max(
+                (n, i) for n in range(1, size) for i in range(len(lines))
+                if lines[i : i + n] == hunk.old[:n]
+            )  # fmt: skip
+            after = next(map(repr, lines[i + n :]), "nothing")
+            hint = f"its lines are there, but behind {lines[i + n - 1]!r} stands {after}"
+        else:
             near = difflib.get_close_matches(strange, lines, n=1, cutoff=0.0)[0]
             hint = f"the line nearest to {strange!r} is {near!r}"
     times = len(places)

@@ -26,6 +26,7 @@ from __future__ import annotations
 import argparse
 import ast
 import re
+import signal
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -239,4 +240,5 @@ def main(arguments: list[str]) -> int:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # … | head
     sys.exit(main(sys.argv[1:]))

@@ -23,7 +23,7 @@ import msgspec
 from grader.authoring.claims import Claim, claims, grade_claim
 from grader.authoring.gradings import gradings
 from grader.course.exercises import Exercise, all_exercises, find_exercise
-from grader.errors import InputError
+from grader.errors import GraderError, InputError
 from grader.grading.grading import Grading
 from grader.grading.plugin import FAIL, INCONCLUSIVE, UNAVAILABLE
 from grader.link.hosts import ForkServer
@@ -151,11 +151,11 @@ def main(arguments: list[str]) -> int:
         exercises = [find_exercise(name) for name in options.exercises] or all_exercises()
         if options.only:
             return _prove_one(options.only, exercises, kept)
-    except InputError as error:
-        parser.error(str(error))
+        everything = {exercise: list(claims(exercise)) for exercise in exercises}
+    except (InputError, GraderError) as error:
+        parser.exit(2, f"proof: {error}\n")
     if options.workers < 1:
         parser.error(f"--workers {options.workers}: expected at least 1")
-    everything = {exercise: list(claims(exercise)) for exercise in exercises}
     provable = [claim for each in everything.values() for claim in each if not claim.lacks]
     graded = gradings(provable, options.workers, kept=kept)
     tallies = [_prove(exercise, each, graded) for exercise, each in everything.items()]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from grader.cli.given import one_of
 from grader.cli.results import FULL, LESS
 from grader.cli.start import portable_option, start_forkserver
 from grader.report.foreign import echo
@@ -18,10 +19,11 @@ Examples:
 
 
 @click.command(epilog=EXAMPLES)
+@click.argument("number", metavar="[N]", nargs=-1)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--exercise", metavar="N", help="Whose worlds; else the file's name tells.")
 @portable_option
-def delay(file: Path, exercise: str | None, portable: bool) -> int:
+def delay(number: tuple[str, ...], file: Path, exercise: str | None, portable: bool) -> int:
     """Find out how late sensors and commands may be for a node.
 
     It drives in its exercise's closed-loop worlds with delays of 0 to 300 ms. This is no grading:
@@ -39,7 +41,7 @@ def delay(file: Path, exercise: str | None, portable: bool) -> int:
     from grader.exercises import driving_contract_of  # noqa: PLC0415
     from grader.report.terminal import Console  # noqa: PLC0415
 
-    chosen = exercise_for(exercise, file.name)
+    chosen = exercise_for(one_of(number, exercise), file.name)
     contract = driving_contract_of(chosen)  # or refuse, before anything starts
     submission = find_submission(file, chosen.files[0])
     console = Console(file=sys.stderr, highlight=False)

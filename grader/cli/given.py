@@ -56,6 +56,20 @@ def as_files(path: Path, names: Sequence[str]) -> Iterator[Path]:
             yield _of_copies(given.parent, names, staged, given) or given
 
 
+def one_of(number: Sequence[str], exercise: str | None) -> str | None:
+    """Return the exercise that was named, if one was: before the file, or by its option.
+
+    Raises
+    ------
+    InputError
+        More than one was.
+    """
+    named = [*number, *([] if exercise is None else [exercise])]
+    if len(named) > 1:
+        raise InputError(f"expected one exercise, got {', '.join(named)}")
+    return named[0] if named else None
+
+
 def wanted_in(scenario: str) -> list[str]:
     """Return the files of all exercises, those of the scenario's own exercise first."""
     from grader.course.exercises import all_exercises  # noqa: PLC0415

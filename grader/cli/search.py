@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from grader.cli.given import one_of
 from grader.cli.results import FULL, LESS, check_writable, write_report
 from grader.cli.start import portable_option, start_forkserver
 from grader.report.foreign import echo
@@ -21,6 +22,7 @@ Examples:
 
 
 @click.command(epilog=EXAMPLES)
+@click.argument("number", metavar="[N]", nargs=-1)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--exercise", metavar="N", help="Whose contract counts; else the file's name tells.")
 @click.option("--minutes", type=click.FloatRange(0.01, 600), help="How long to look; default 1.")
@@ -34,6 +36,7 @@ Examples:
 @click.option("--report", type=click.Path(path_type=Path), help="Write an HTML replay.")
 @portable_option
 def search(
+    number: tuple[str, ...],
     file: Path,
     exercise: str | None,
     minutes: float | None,
@@ -58,7 +61,7 @@ def search(
     from grader.drive import search as searching  # noqa: PLC0415
     from grader.report.terminal import Console  # noqa: PLC0415
 
-    chosen = exercise_for(exercise, file.name)
+    chosen = exercise_for(one_of(number, exercise), file.name)
     arena = searching.arena_of(chosen, field=field)
     submission = find_submission(file, chosen.files[0])
     check_writable(report)

@@ -51,7 +51,7 @@ class Acting(SphinxDirective):
 class Question(Acting):
     """A question, its options as a list: `[x]` or `[ ]`, and below each what it teaches.
 
-    `:said:` quotes words, of one line, of the sentence on this page that answers it.
+    `:said:` quotes words of the sentence on this page that answers it.
     """
 
     required_arguments = 1
@@ -181,15 +181,15 @@ class LinkWhatIsSaid(SphinxPostTransform):
     def run(self, **_: Any) -> None:
         """Go through the page."""
         for number, said in enumerate(list(self.document.findall(Said))):
-            words = re.escape(said["quote"]).replace("'", ".")  # which became curly
-            texts = self.document.findall(nodes.Text)
-            place: Any = next((text for text in texts if re.search(words, str(text))), None)
+            plain = re.sub(r"[*`]", "", said["quote"]).split()
+            words = r"\s+".join(map(re.escape, plain)).replace("'", ".")  # which became curly
+            texts = self.document.findall(nodes.TextElement)
+            blocks = (text for text in texts if not isinstance(text, nodes.Inline))
+            place = next((block for block in blocks if re.search(words, block.astext())), None)
             if place is None:
                 LOG.warning("the page does not say %r", said["quote"], location=self.env.docname)
                 said.parent.remove(said)
                 continue
-            while isinstance(place, nodes.Text | nodes.Inline):
-                place = place.parent
             place["ids"].append(f"said-{number}")
             place["classes"].append("said-here")
             said.replace_self(raw(f'<a href="#said-{number}">Where it says so</a>'))

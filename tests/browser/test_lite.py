@@ -15,24 +15,18 @@ import pytest
 from served_site import SLOW
 
 from grader.authoring.mutants import find_mutant
-from grader.course.exercises import ROOT, find_exercise
+from grader.course.exercises import ROOT, all_exercises, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
 from grader.link.hosts import ForkServer
 
 MADE = ROOT / "build" / "lite" / "index.html"
-NOTEBOOKS = {  # and their exercises
-    "01_loop": "obstacle_avoidance",
-    "03_goal": "goal_seeking",
-    "04_memory": "trend_memory",
-    "05_real_time": "slow_model",
-    "06_model_server": "model_server",
-    "07_supervisor": "safety_supervisor",
-    "09_latency": "latency_monitor",
-    "10_live_parameters": "live_parameters",
-    "11_three_nodes": "three_nodes",
+WHOLE = [each.slug for each in all_exercises() if not each.libraries]  # a page judges all of them
+MUTANTS = {
+    "obstacle_avoidance": "narrow_cone",
+    "goal_seeking": "yaw_in_degrees",
+    "trend_memory": "whole_circle",
 }
-MUTANTS = {"01_loop": "narrow_cone", "03_goal": "yaw_in_degrees", "04_memory": "whole_circle"}
 # Write cells (by how they begin; "" for one more at the end), run all; whether none runs any more
 RUN = """(texts) => {
   const { content } = jupyterapp.shell.currentWidget;
@@ -76,13 +70,12 @@ def said_at_the_end(page: Any, texts: dict[str, str]) -> str:
         page.wait_for_timeout(500)
 
 
-@pytest.mark.parametrize(
-    ("notebook", "mutant"), [*((name, None) for name in NOTEBOOKS), *MUTANTS.items()]
-)
+@pytest.mark.parametrize(("slug", "mutant"), [*((slug, None) for slug in WHOLE), *MUTANTS.items()])
 def test_a_notebook_runs_in_the_browser_and_judges_as_course_grade(
-    open_served: Any, forkserver: ForkServer, tmp_path: Path, notebook: str, mutant: str | None
+    open_served: Any, forkserver: ForkServer, tmp_path: Path, slug: str, mutant: str | None
 ) -> None:
-    exercise = find_exercise(NOTEBOOKS[notebook])
+    exercise = find_exercise(slug)
+    (notebook,) = (ROOT / "notebooks" / "text").glob(f"{exercise.number:02}_*")
     files = {name: (exercise.solutions / name).read_text() for name in exercise.files}
     if mutant:
         files[exercise.files[0]] = find_mutant(exercise, mutant).text
@@ -92,7 +85,7 @@ def test_a_notebook_runs_in_the_browser_and_judges_as_course_grade(
     graded = grade_submission(exercise, submission, forkserver, file=exercise.files[0])
     assert (graded.score == 100) == (mutant is None)
 
-    page = open_served(f"lite/notebooks/index.html?path={notebook}.ipynb")
+    page = open_served(f"lite/notebooks/index.html?path={notebook.name}.ipynb")
     cells = {f"%%node {name}": f"%%node {name}\n{text}" for name, text in files.items()}
     said = said_at_the_end(page, {**cells, "": SAYS.format(exercise.slug)})
 

@@ -160,6 +160,19 @@ def test_licence_stands_on_every_page(pages: dict[str, Page]) -> None:
             assert "LICENSE-lessons.md" in page.text, name
 
 
+def test_the_sentence_that_answers_is_found_whatever_stands_out_in_it() -> None:
+    acts = pytest.importorskip("acts", reason="sphinx is not installed: pip install '.[site]'")
+    nodes, page = acts.nodes, pytest.importorskip("docutils.utils").new_document("")
+    asked, said = nodes.paragraph(), nodes.paragraph()
+    asked += acts.Said(quote="*into* the `wall` ahead")
+    into, wall = nodes.emphasis(text="into"), nodes.literal(text="wall")
+    said += [nodes.Text("It drives "), into, nodes.Text(" the "), wall, nodes.Text("\nahead.")]
+    page += [asked, nodes.paragraph(text="It stands."), said]
+    acts.LinkWhatIsSaid(page).run()
+    assert said["ids"] == ["said-0"]
+    assert asked.astext() == '<a href="#said-0">Where it says so</a>'
+
+
 def test_every_exercise_ends_a_section() -> None:
     linked = re.compile(r"\]\(\.\./exercises/(\w+)/README\.md\)")
     found = []

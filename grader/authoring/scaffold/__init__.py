@@ -155,6 +155,11 @@ LISTS = (
     ),
     ("lessons/exercises/index.md", r"^\w+/README\n", "{{slug}}/README\n"),
     (
+        "notebooks/README.md",
+        r"^\| `\d+_.*\n",
+        "| `{{notebook}}` | {{number}} | 100 |\n",
+    ),
+    (
         "lessons/node.md",  # the section "Exercise" is its last
         r"\Z",
         "\n[Exercise {{number}} · {{title}}](../exercises/{{slug}}/README.md): stop at a line.\n",

@@ -41,10 +41,11 @@ def test_a_line_that_looks_like_a_separator_is_none() -> None:
             "the line nearest to '    if  x:' is '    if x:'",
         ),
         (
-            "     return 0\n-    if x:\n",
-            "hunk '     return 0' fits 0 times in f.py, expected once; "
-            "its lines are there, but not one after another",
+            " def f(x):\n     if x:\n-    return 0\n",
+            "hunk ' def f(x):' fits 0 times in f.py, expected once; "
+            "its lines are there, but behind '    if x:' stands '        return 1'",
         ),
+        ("     return 0\n-    if x:\n", "but behind '    return 0' stands nothing"),
         ("-    if x\n+    if y\n", "the line nearest to '    if x' is '    if x:'"),
         ("     if x:\n", "hunk '     if x:' changes nothing"),
         ("-    if x:\n+    if x:\n", "hunk '-    if x:' changes nothing"),

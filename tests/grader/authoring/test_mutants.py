@@ -186,6 +186,14 @@ def test_the_command_says_what_is_wrong(
     assert message in capsys.readouterr().err
 
 
+def test_a_reader_that_has_enough_ends_the_list_without_a_word() -> None:
+    command = [sys.executable, "-m", "grader.authoring.mutants", "1"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as listing:
+        assert listing.stdout and listing.stderr
+        listing.stdout.close()
+        assert listing.stderr.read() == b""
+
+
 def test_no_mutant_dies_of_a_name_that_its_edit_removed(tmp_path: Path) -> None:
     for exercise in all_exercises():
         for mutant in mutants(exercise):

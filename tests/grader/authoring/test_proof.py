@@ -282,6 +282,18 @@ def test_what_can_not_be_proven_is_said_in_a_line(
     assert said in capsys.readouterr().err
 
 
+def test_an_edit_that_does_not_fit_is_said_in_a_line(
+    pair: Exercise, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(proof, "find_exercise", lambda name: pair)
+    (pair.solutions / "server.py").write_text('"""The server."""\n\nANSWER = 3\n')
+    with pytest.raises(SystemExit) as ended:
+        main(["pair"])
+    assert ended.value.code == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "mutant.answers_wrong: hunk '-ANSWER = 1' fits 0 times in server.py" in line
+
+
 def test_claims_are_kept_one_a_line(pair: Exercise, tmp_path: Path) -> None:
     file = tmp_path / "build" / "proof.jsonl"
     rows = [

@@ -15,6 +15,7 @@ from driven import careful, drive_by, reckless, timid
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
+from grader.authoring.delays import driving
 from grader.authoring.mutants import find_mutant
 from grader.cli import cli
 from grader.course.exercises import exercise_for, find_exercise
@@ -29,7 +30,7 @@ from sim.scenario import Scenario
 from sim.scenario_files import load_scenario, scenario_from_toml
 
 ROOT = Path(__file__).resolve().parents[3]
-SEARCHED = (1, 2, 3, 4, 5, 7, 8, 9)
+SEARCHED = [exercise.number for exercise in driving()]
 TRIES = int(os.environ.get("COURSE_TRIES", "15"))  # in each reference
 SETTINGS = settings(
     derandomize=True, deadline=None, max_examples=40, phases=[Phase.generate],
@@ -216,6 +217,21 @@ def test_the_files_name_tells_the_exercise():
 def test_exercises_that_do_not_drive_are_refused():
     with pytest.raises(InputError, match="exercise 6: its nodes do not drive by themselves"):
         arena_of(find_exercise("6"))
+
+
+@pytest.mark.parametrize("command", ["search", "delay"])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["6", "my_agent.py"], "exercise 6: its nodes do not drive"),
+        (["--exercise", "6", "my_agent.py"], "exercise 6: its nodes do not drive"),
+        (["6", "my_agent.py", "--exercise", "1"], "expected one exercise, got 6, 1"),
+        (["1", "6", "my_agent.py"], "expected one exercise, got 1, 6"),
+    ],
+)
+def test_the_exercise_may_stand_before_the_file_as_for_a_grading(command, words, said):
+    done = CliRunner().invoke(cli, [command, *words], standalone_mode=False)
+    assert said in str(done.exception)
 
 
 # --- for real ------------------------------------------------------------------------------------
