@@ -10,7 +10,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 
-NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+NEWEST_SCAN = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 def predict(scan: LaserScan) -> float:
@@ -36,7 +36,7 @@ class CarefulDriver(Node):
         self.scan: LaserScan | None = None  # the newest
         self.said: tuple[float, LaserScan] | None = None  # the newest prediction [m/s], and of what
         self.publisher = self.create_publisher(Twist, "/cmd_vel", 10)
-        self.create_subscription(LaserScan, "/scan", self.scan_callback, NEWEST)
+        self.create_subscription(LaserScan, "/scan", self.scan_callback, NEWEST_SCAN)
         self.create_timer(0.05, self.control_callback)
 
     def scan_callback(self, scan: LaserScan) -> None:
