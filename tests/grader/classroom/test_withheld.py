@@ -12,7 +12,7 @@ from grader.classroom.results.options import ResultOptions
 from grader.errors import InputError
 from grader.grading.withheld import for_students
 
-HELP = "0.5 m itself belongs to the slow zone."  # a text of the check's own
+HELP = "From 0.5 m itself to below 1.0 m, of the smallest distance ahead."  # a check's own
 SECRET = check(
     "b", "fail", 40, message="0.42 m ahead", expected="0.00 m/s", actual="0.50 m/s",
     time=2.2, scenario="avoid_zones", help=HELP,
