@@ -146,11 +146,11 @@ def drive(
 
         save(recording, bag)
     practice = "" if elsewhere else forkserver.practice
-    rest = {} if elsewhere else {"rest": "--log all shows them all"}
-    most = None if log == "all" else int(log)
     driving.print_summary(
-        recording, file=str(file), seed=seed, practice=practice, most=most, **rest
-    )
+        recording, file=str(file), seed=seed, practice=practice,
+        most=None if log == "all" else int(log),
+        rest=driving.IN_REPLAY if elsewhere else "--log all shows them all",
+    )  # fmt: skip
     for said in submission.account():
         echo(f"  {said}")
     if report is not None:

@@ -10,10 +10,11 @@ from grader.drive.node import (
     read_stdin,
     scenario_for,
 )
-from grader.drive.summary import event_lines, print_summary
+from grader.drive.summary import IN_REPLAY, event_lines, print_summary
 from grader.trial.packages import unpacked
 
 __all__ = [
+    "IN_REPLAY",
     "arguments_of",
     "drive_in",
     "drive_node",

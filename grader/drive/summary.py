@@ -26,6 +26,7 @@ STAYS = "Should it have gone on? A node that waits for messages stays in rclpy.s
 AT_ONCE = 0.01  # [s] in which a program ends that calls nothing
 ADVICE = "try: "  # before what the account of an exception ends with
 LAST_LINES = 12  # of a traceback
+IN_REPLAY = "the replay shows them all"
 LAST_WORDS = 10  # lines of what the node printed and logged
 
 
@@ -36,7 +37,7 @@ def print_summary(
     seed: int | None = None,
     practice: str = "",
     most: int | None = LAST_WORDS,
-    rest: str = "the replay shows them all",
+    rest: str = IN_REPLAY,
 ) -> None:
     """Print which topics the node used, what happened, and what computing cost.
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from grader.course.exercises import all_exercises
 from grader.notebook.cells import MAGIC
-from grader.notebook.session import SESSION
+from grader.notebook.session import SESSION, imported
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
@@ -96,12 +96,9 @@ def _run_now(tree: ast.Module) -> Iterator[ast.AST]:
 
 def _is_a_program(tree: ast.Module) -> bool:
     """Return whether a cell is a node's file as it stands: it uses ROS, and starts itself."""
-    names = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)
-             for alias in node.names}  # fmt: skip
-    names |= {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     starts = any(isinstance(node, ast.If) and "__main__" in ast.dump(node.test)
                  for node in tree.body)  # fmt: skip
-    return starts and any(name.partition(".")[0] == "rclpy" for name in names)
+    return starts and "rclpy" in imported(tree)
 
 
 def _spins(node: ast.AST, spinning: set[str]) -> bool:

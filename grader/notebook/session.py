@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+import ast
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -76,11 +76,9 @@ class Session:
         ------
         InputError
             It is not there, or the last cell of one of these names was not saved, or of a module
-            that it names.
+            that it imports.
         """
-        text = path.read_text("utf-8", "replace") if path.is_file() else ""
-        modules = [name for name in self.refused if exercise_of(name) is None]
-        for name in [*names, *(name for name in modules if name.removesuffix(".py") in text)]:
+        for name in [*names, *(f"{module}.py" for module in _imports_of(path))]:
             if name in self.refused:
                 raise InputError(
                     f"the last %%node {name} cell was not saved ({self.refused[name]}); "
@@ -104,9 +102,8 @@ class Session:
         """
         if self.written:
             latest = list(reversed(self.written.values()))
-            text = "\n".join(path.read_text("utf-8") for path in latest if path.is_file())
-            nodes = [path for path in latest if not _imports(text, path.stem)]
-            return (nodes or latest)[0]
+            modules = set().union(*map(_imports_of, latest))
+            return next((path for path in latest if path.stem not in modules), latest[0])
         every = (Path(exercise.files[0]) for exercise in all_exercises())
         here = [node for node in every if node.is_file() and node.name not in self.refused]
         if not here or self.refused:
@@ -125,8 +122,22 @@ class Session:
         )
 
 
-def _imports(text: str, module: str) -> bool:
-    return re.search(rf"(?m)^\s*(?:from|import)\s+{re.escape(module)}\b", text) is not None
+def imported(tree: ast.Module) -> set[str]:
+    """Return the modules that a program imports, by the first part of their names."""
+    names = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names.add(node.module or "")
+    return {name.partition(".")[0] for name in names}
+
+
+def _imports_of(path: Path) -> set[str]:
+    try:
+        return imported(ast.parse(path.read_bytes()))
+    except (OSError, SyntaxError, ValueError):  # whoever runs it says so
+        return set()
 
 
 def exercise_of(name: str) -> Exercise | None:

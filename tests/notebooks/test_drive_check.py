@@ -69,7 +69,7 @@ def test_drive_takes_what_the_command_takes(kernel: Kernel, folder: Path) -> Non
 def test_the_last_cell_of_a_module_that_the_node_imports_leaves_the_node_the_last(
     kernel: Kernel, folder: Path
 ) -> None:
-    save(kernel, AGENT, f"import my_limits\n{RIGHT}")
+    save(kernel, AGENT, f"import os, my_limits\n{RIGHT}")
     save(kernel, "my_limits.py", "FASTEST = 0.3\n")
 
     assert f"{AGENT} in demo_wall\n" in kernel.run("drive('demo_wall', duration=1)").text

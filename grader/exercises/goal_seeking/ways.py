@@ -94,8 +94,8 @@ def stands_without_odometry(recording: Recording) -> None:
         if moves.any():
             fail(
                 "the robot drives on though nobody knows where it is",
-                expected=f"a zero Twist when the newest pose is older than {STALE} s",
-                actual=f"the last pose came at {last:.2f} s",
+                expected=f"0.00 m/s, {STALE} s after the last pose",
+                actual=f"{twists.linear_x[moves][0]:.2f} m/s; that came at {last:.2f} s",
                 at=max(stopped, float(twists.t[moves][0])),
                 recording=recording,
                 help="Keep the time of each pose, and ask the timer how old the newest is.",
