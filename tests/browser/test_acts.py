@@ -126,5 +126,6 @@ def test_figures_are_played_by_keyboard(open_file: Open, site: Path) -> None:
     assert "0.20 s old" in verdict.inner_text()
     figure.locator("summary").press("Enter")
     assert figure.locator("table tr").count() > 10
+    page.evaluate("document.querySelectorAll('details').forEach((e) => { e.open = true; })")
     for button in page.locator(".play button").all():
         assert button.bounding_box()["height"] >= 44

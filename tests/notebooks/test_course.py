@@ -159,7 +159,7 @@ def test_a_queues_ages_are_those_that_the_lesson_prints(
     for depth, model_ms in ((10, 200), (5, 200), (1, 200), (1, 230)):
         names["ages"](depth, model_ms)
         printed = capsys.readouterr().out.partition("from ")[2]
-        assert f"ten scans, {printed}" in lesson, (depth, model_ms)
+        assert f"ten calls: scans {printed}" in lesson, (depth, model_ms)
 
 
 @pytest.mark.long
