@@ -9,7 +9,7 @@ any student's code.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -207,9 +207,16 @@ class Recording:
         """Everything that crossed the link, in order of time."""
         return tuple(sorted(self.delivered + self.published, key=lambda message: message.time))
 
-    def of(self, topic: str) -> tuple[Message, ...]:
-        """Return the messages of one topic."""
-        return tuple(message for message in self.messages if message.topic == topic)
+    @cached_property
+    def _by_topic(self) -> dict[str, list[Message]]:
+        found: dict[str, list[Message]] = {}
+        for message in self.messages:
+            found.setdefault(message.topic, []).append(message)
+        return found
+
+    def of(self, topic: str) -> Sequence[Message]:
+        """Return the messages of one topic, in order of time."""
+        return self._by_topic.get(topic, ())
 
     def times(self, topic: str) -> Floats:
         """Return when the messages of a topic crossed the link, (n,) [s]."""
