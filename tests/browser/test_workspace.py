@@ -208,6 +208,12 @@ def test_a_node_that_wrecks_python_leaves_nothing_for_the_next(open_workspace: A
     assert check(page, reference.read_text()) == "100 of 100 points."
 
 
+def test_nobody_types_to_a_node(open_workspace: Any) -> None:
+    page = open_workspace()
+    assert check(page, "speed = float(input('How fast? '))\n").startswith("0 of 100")
+    assert "Nobody types to a node here" in page.locator(".ws-cause").first.inner_text()
+
+
 @pytest.mark.long
 def test_two_hundred_trials_in_one_worker_leave_nothing_behind(open_workspace: Any) -> None:
     page = open_workspace()

@@ -92,6 +92,7 @@ async function load(manifest) {
     indexURL: './pyodide/',
     stdout: print,
     stderr: print,
+    stdin: () => null, // its end: nobody types here
     env: {
       HOME: '/home', LANG: 'C.UTF-8', PYTHONHASHSEED: '0', PYTHONDONTWRITEBYTECODE: '1', ROS_DISTRO: 'jazzy',
       ROS_AUTOMATIC_DISCOVERY_RANGE: 'OFF', _ROS_WHEELS_BOOTSTRAP_COMPLETE: '1',
