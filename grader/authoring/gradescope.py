@@ -20,7 +20,8 @@ from grader.course.exercises import all_exercises, find_exercise
 from grader.errors import GraderError, InputError
 
 NAME = "autograder.zip"
-ROOMS = ("classroom", "expert.py")  # that students don't get and an autograder needs
+# What students don't get and an autograder needs
+ROOMS = ("grader/classroom", "grader/models/expert.py")
 DEEP = ("torch", "keras")  # libraries of exercise 8
 PROGRAM, PLAIN, PRIVATE = 0o100755, 0o100644, 0o100600
 
@@ -74,6 +75,13 @@ pip() { "$course/venv/bin/python" -m pip --disable-pip-version-check --no-cache-
 {torch}pip install --quiet --constraint "$course/source/constraints.txt" \\
     --editable "$course/source[{extras}]"
 "$course/venv/bin/course" doctor
+echo "An empty submission, to see that there is a result:"
+trial="$(mktemp -d)"
+mkdir "$trial/source" "$trial/submission"
+cp "$source/autograder.json" "$trial/source"
+AUTOGRADER_ROOT="$trial" COURSE_HOME="$course" bash "$source/run_autograder"
+test -s "$trial/results/results.json"
+rm -r "$trial"
 chmod -R go-rwx "$source"
 """
 # Without it pip fetches gigabytes of CUDA.

@@ -25,7 +25,7 @@ NEEDED = {  # module: the extra that brings it
 }  # fmt: skip
 
 
-def handouts(left_out: Collection[str] = ()) -> dict[str, bytes]:
+def handouts(left_out: Collection[str] = (), *, answers: bool = True) -> dict[str, bytes]:
     """Return the site's and the notebooks' files by their paths in a release.
 
     Parameters
@@ -33,6 +33,8 @@ def handouts(left_out: Collection[str] = ()) -> dict[str, bytes]:
     left_out
         Slugs of exercises that are not released: their notebooks are left out, too. The site
         is one lesson and has the tasks of all, but no skeletons of these.
+    answers
+        The site has model answers to its open questions.
 
     Raises
     ------
@@ -43,7 +45,8 @@ def handouts(left_out: Collection[str] = ()) -> dict[str, bytes]:
     """
     require_tools()
     with tempfile.TemporaryDirectory(prefix="course-handouts-") as name:
-        return site(Path(name), left_out) | without(notebooks(Path(name)), left_out)
+        pages = site(Path(name), left_out, answers=answers)
+        return pages | without(notebooks(Path(name)), left_out)
 
 
 def require_tools() -> None:
@@ -64,12 +67,13 @@ def require_tools() -> None:
         )
 
 
-def site(work: Path, left_out: Collection[str] = ()) -> dict[str, bytes]:
+def site(work: Path, left_out: Collection[str] = (), *, answers: bool = True) -> dict[str, bytes]:
     """Return the lesson as `make site` builds it, replays included."""
     out = work / SITE
     _run(
         "-m", "sphinx", "-q", "-W", "--keep-going", "-n", "-b", "html",
         "-D", f"course_left_out={','.join(sorted(left_out))}",
+        "-D", f"course_model_answers={answers:d}",
         "-d", str(work / "doctrees"), str(ROOT / "lessons"), str(out),
     )  # fmt: skip
     _run("-m", "grader.authoring.pitfalls", str(out / "pitfalls" / "replays"))

@@ -18,9 +18,10 @@ from grader.authoring.leaks import Leak, leaks
 from grader.course.exercises import ROOT, SOLUTIONS, all_exercises
 from grader.errors import GraderError, InputError
 
-# The grader's packages and modules for instructors and contributors; not in the students' copy.
+# Folders and files for instructors and contributors; not in the students' copy.
 INSTRUCTORS = (
-    "authoring", "classroom", "build.py", "expert.py", "generated.py", "skeletons.py",
+    "grader/authoring", "grader/classroom", "grader/course/generated.py",
+    "grader/course/skeletons.py", "grader/models/expert.py", "grader/notebook/build.py",
 )  # fmt: skip
 PACKAGE = (".xml", ".cfg", ".yaml", ".rviz")  # suffixes of the files of a ROS package
 MARKER = "resource"  # folder with a ROS package's marker file, which has no suffix
@@ -203,7 +204,7 @@ def contents(
     make: Make | None = None,
     rooms: Collection[str] = (),
 ) -> dict[str, bytes]:
-    """Return every file of a release by its path, in order; with these of the grader's rooms."""
+    """Return every file of a release by its path, in order; with these of `INSTRUCTORS`."""
     known = [exercise.slug for exercise in all_exercises()]
     left_out = {slug for slug in known if exercises and slug not in exercises}
     found = {path: (root / path).read_bytes() for path in SINGLE if (root / path).is_file()}
@@ -280,7 +281,7 @@ def _is_public(path: str, left_out: set[str], rooms: Collection[str] = ()) -> bo
     names = {*parts, PurePosixPath(path).stem}
     if not left_out.isdisjoint(names):
         return False
-    if parts[0] == "grader" and not ({*INSTRUCTORS} - {*rooms}).isdisjoint(parts):
+    if any(PurePosixPath(path).is_relative_to(each) for each in {*INSTRUCTORS} - {*rooms}):
         return False
     return not any(PRIVATE.search(part) for part in parts)
 

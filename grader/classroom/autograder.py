@@ -19,7 +19,7 @@ from typing import IO, Any
 
 import msgspec
 
-from grader.classroom.intake.exercise_files import find_files
+from grader.classroom.intake.exercise_files import Found, find_files, find_sole
 from grader.classroom.intake.students import take_in_one
 from grader.classroom.marks import as_shown, is_held, tasks_of, why_held
 from grader.classroom.results.files import write_text
@@ -36,6 +36,7 @@ from grader.grading.trying import why_none_runs
 from grader.host.sandbox.layers import FILES, USER
 from grader.link.cell import CLASS, Refused, read_in_cell
 from grader.link.scratch import fresh_folder
+from grader.lms.clean import one_line
 from grader.lms.gradescope import SEEN, results_json
 from grader.lms.names import student_id
 from grader.report.foreign import echo
@@ -95,11 +96,14 @@ def judged(root: Path) -> dict[str, Any] | str:
     secret = root / "source" / SECRET
     key = read_secret(secret) if secret.exists() else None
     name = submitter(root / "submission_metadata.json")
-    results, missing = [], []
+    results, missing, counted = [], [], []
     with fresh_folder() as room:
         student = take_in_one(root / "submission", room)
         for exercise in exercises:
             found = find_files(student, exercise.files)
+            if found.problem and len(exercises) == 1:
+                found = find_sole(student, exercise.files)
+            counted += told(exercise, found)
             if found.problem:
                 missing.append((exercise, found.problem))
                 continue
@@ -118,15 +122,29 @@ def judged(root: Path) -> dict[str, Any] | str:
     held = [result for result in results if is_held(result)]
     if held:
         return f"{held[0].exercise}: {why_held(held[0]).reason}"
-    return composed(results, missing, settings.hide)
+    return composed(results, missing, settings.hide, counted)
+
+
+def told(exercise: Exercise, found: Found) -> list[str]:
+    """Say which file counts, where it is not plain: it has another name, or there are others."""
+    if found.problem or not (found.why or found.older or found.used[0].name != exercise.files[0]):
+        return []
+    others = f"; {len(found.older)} more of that name did not count" if found.older else ""
+    why = f", {found.why}" if found.why else ""
+    name = one_line(found.used[0].name, 100)
+    return [f"{exercise.title}: {name} was graded{why}{others}"]
 
 
 def composed(
     results: Sequence[StoredResult],
     missing: Sequence[tuple[Exercise, str]],
     hidden: Collection[str],
+    counted: Sequence[str] = (),
 ) -> dict[str, Any] | str:
-    """Return `results.json` of what was graded, with a failed test for what is not there."""
+    """Return `results.json` of what was graded, with a failed test for what is not there.
+
+    `counted` are sentences about the files that were graded.
+    """
     tasks = tasks_of(results)
     made = results_json([mark_of(as_shown(one, hidden)) for one in results], tasks)
     if made is None:
@@ -135,9 +153,10 @@ def composed(
         title, most = exercise.title, float(exercise.max_points)
         made["output"] = f"{made['output']}\n{title}: 0 of {most:g} points; {problem}".strip()
         made["tests"].append(
-            {"name": f"{title}: no file to grade", "score": 0.0, "max_score": most,
+            {"name": f"{title}: nothing to grade", "score": 0.0, "max_score": most,
              "status": "failed", "output": problem, **SEEN}
         )  # fmt: skip
+    made["output"] = "\n".join([made["output"], *counted])
     return made | {"stdout_visibility": "hidden"}
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from grader.classroom.account import Account, Fate, Line, student_lines
 from grader.classroom.conditions import fingerprint, submission_hash
-from grader.classroom.intake.exercise_files import WORK, Found, find_files, left_over, sole_work
+from grader.classroom.intake.exercise_files import WORK, Found, find_files, find_sole, left_over
 from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.classroom.intake.skeletons import is_handed_out
 from grader.classroom.intake.students import Intake, take_in
@@ -40,7 +40,6 @@ CONTRARY = (
 )
 SUSPECT = "may be an exercise that is missing; no exercise has a file of this name"
 SKELETON = "still as it was handed out, so it was not handed in"
-SOLE = "the only file that may be work"
 ACCEPTED = "accepted by a person"
 ANOTHER = (
     "Moodle's number is {}, and that of the earlier work is {}: a second student of this name? If "
@@ -136,7 +135,7 @@ def find_class(
         for student in intake.students:
             mine = found[student.id]
             if not any(each.files for each in mine.values()) and student.files:
-                mine[slug] = find_files(student, exercise.files, sole_work(student), SOLE)
+                mine[slug] = find_sole(student, exercise.files)
     leaders = _leaders(found)
     conditions = {slug: fingerprint(exercise) for slug, exercise in exercises.items()}
     candidates = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import click
@@ -36,6 +37,9 @@ Examples:
     "--source", default="", metavar="ADDRESS", help="Where notebooks get the course's wheel."
 )
 @click.option(
+    "--no-answers", is_flag=True, help="The lesson without model answers: you grade its questions."
+)
+@click.option(
     "--plain", is_flag=True, help="No notebooks, and the lesson as Markdown: needs no Sphinx."
 )
 def release(
@@ -48,6 +52,7 @@ def release(
     field: bool,
     hide: str | None,
     source: str,
+    no_answers: bool,
     plain: bool,
 ) -> int:
     """Write into DIR what students get: no solutions, no rubrics, no tests.
@@ -59,19 +64,24 @@ def release(
     from grader.authoring.handouts import handouts  # noqa: PLC0415
     from grader.authoring.release import drafts  # noqa: PLC0415
     from grader.authoring.release import release as make_release  # noqa: PLC0415
-    from grader.course.exercises import all_exercises, find_exercise  # noqa: PLC0415
+    from grader.course.exercises import ROOT, all_exercises, find_exercise  # noqa: PLC0415
 
+    if not (ROOT / "solutions").is_dir():
+        raise InputError(f"{ROOT}: expected a checkout of the course, with solutions/ in it")
     slugs = [find_exercise(name).slug for name in exercises]
     if gradescope:
-        if student_package or classroom or plain or source:
+        if student_package or classroom or plain or source or no_answers:
             raise InputError("--gradescope writes nothing for students; leave the others out")
         return _autograder(folder, slugs, field, hide, secret)
     if secret is not None or field or hide is not None:
         raise InputError("--secret, --field and --hide go with --gradescope")
     if plain and source:
         raise InputError("--source is for notebooks, which --plain leaves out")
+    if plain and no_answers:
+        raise InputError("--no-answers is for the site, which --plain leaves out")
     wheel = built_wheel()
-    make = None if plain else lambda left: carried(handouts(left), wheel, source)
+    made = partial(handouts, answers=not no_answers)
+    make = None if plain else lambda left: carried(made(left), wheel, source)
     released = [each for each in all_exercises() if not slugs or each.slug in slugs]
     more = github.files(released) if classroom else {}
     found = make_release(folder, exercises=slugs, archive=student_package, make=make, more=more)
@@ -81,6 +91,8 @@ def release(
         echo(f"Note: {leak}; hand it out after that exercise (--exercise).", err=True)
     if not plain and (lacks := what_lacks(wheel, source)):
         echo(f"Note: {lacks}.", err=True)
+    if not plain and not (ROOT / "build" / "workspace").is_dir():
+        echo("Note: nodes can't be written in the site's pages: make workspace first.", err=True)
     echo(f"Students' material: {folder}")
     if student_package:
         echo(f"The same, packed: {folder}.zip")

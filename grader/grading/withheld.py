@@ -30,6 +30,7 @@ OF_CHECK = (
 FIELD_RUN = "field"  # in the names of the field checks' scenarios
 NOT_SHOWN = "What this check saw is not published."
 ENDED = {  # by the kind of the outcome
+    "syntax_error": "Python cannot read the file, a syntax error: `python3 FILE` says where.",
     "exception": "The node died of an exception in a world that is not published.",
     "returned": "The node's program ended too early in a world that is not published.",
     "exited": "The node called exit() in a world that is not published.",

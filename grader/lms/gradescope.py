@@ -32,7 +32,7 @@ MAX_OUTPUT = 4000  # [characters] of one test
 SEEN = {"output_format": "text", "visibility": "visible"}
 WORDS = {
     "pass": "Passed.",
-    "skip": "Skipped.",
+    "skip": "Not judged: a check that it needs did not pass.",
     "unavailable": "Not counted: a library is not installed where the judge runs.",
 }
 

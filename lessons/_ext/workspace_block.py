@@ -1,6 +1,6 @@
 """A block on some exercises' pages that opens their workspace, if the site is built with it.
 
-`make workspace` makes its files (workspace/build.py); without them the block says so.
+`make workspace` makes its files (workspace/build.py); without them there is no block.
 """
 
 from __future__ import annotations
@@ -23,31 +23,26 @@ OFF = (
     "from a web server: opened as a file it can't start. <code>python3 -m http.server</code> in "
     "the site's folder is one."
 )
-LEFT_OUT = (
-    "This site was built without the workspace, in which the node can be written, driven and "
-    "checked in the browser (<code>make workspace</code>)."
-)
 
 
 def add_block(app: Sphinx, name: str, _template: str, page: dict[str, Any], _tree: object) -> None:
     """Put the block below the heading of an exercise's page; let the front page lead there."""
-    if name == "index" and app.config.course_workspace_made:
+    if not app.config.course_workspace_made:
+        return
+    if name == "index":
         start = 'href="exercises/obstacle_avoidance/README.html"'
         page["body"] = page["body"].replace(start, f'{start[:-1]}#workspace"', 1)
         return
     parts = name.split("/")
     if parts[0] != "exercises" or parts[-1] != "README" or parts[1] in _left_out(app):
         return
-    made = app.config.course_workspace_made
-    words = OFF if made else LEFT_OUT
     block = (
         f'<div class="workspace-block" id="workspace" data-exercise="{html.escape(parts[1])}">'
-        f'<p class="workspace-words">{words}</p><p class="workspace-open"></p></div>'
+        f'<p class="workspace-words">{OFF}</p><p class="workspace-open"></p></div>'
     )
     page["body"] = page["body"].replace("</h1>", f"</h1>{block}", 1)
-    if made:
-        app.add_css_file("workspace/workspace.css")
-        app.add_js_file("workspace/start.js", loading_method="defer")
+    app.add_css_file("workspace/workspace.css")
+    app.add_js_file("workspace/start.js", loading_method="defer")
 
 
 def _left_out(app: Sphinx) -> list[str]:

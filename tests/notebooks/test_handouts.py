@@ -94,10 +94,12 @@ def test_the_same_course_gives_the_same_archive(released: Path, tmp_path: Path) 
 
 
 def test_a_week_of_two_exercises_has_their_notebooks_and_no_other_skeleton(tmp_path: Path) -> None:
-    course_release(tmp_path / "week", "--exercise", "1", "--exercise", "3")
+    course_release(tmp_path / "week", "--exercise", "1", "--exercise", "3", "--no-answers")
     there = files(tmp_path / "week")
     notebooks = {path for path in there if path.startswith("notebooks/")}
     assert notebooks == {f"notebooks/{name}.ipynb" for name in ("01_loop", "03_goal", "quiz")}
     known = {file for exercise in all_exercises() for file in exercise.files}
     skeletons = known & {path.rpartition("/")[2] for path in there if "_downloads/" in path}
     assert skeletons == {"obstacle_avoidance_agent.py", "goal_seeking_agent.py"}
+    questions = (tmp_path / "week" / "lesson" / "check_your_understanding.html").read_text("utf-8")
+    assert ("own-answer" in questions, "model-answer" in questions) == (True, False)

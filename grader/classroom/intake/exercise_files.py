@@ -21,6 +21,7 @@ from grader.lms.platform import Entry
 from grader.lms.unpack import is_archive, is_unread_archive
 
 WORK = (".py", ".pyw", ".py.txt")  # what may be an exercise under another name
+SOLE = "the only file that may be work"
 NEAR = "taken for {}, since no other file has a name like it"
 ENOUGH = 0.88  # of `_nearness`; two files of the course's are at most 0.83 near
 PART = 0.75  # of a name's letters; an exercise's own has as many of its file's
@@ -107,7 +108,7 @@ def find_files(student: Student, names: Sequence[str], taken: str = "", why: str
         if untouched:
             problem = student.problem or f"{first} is still the skeleton"
         elif empty:
-            problem = student.problem or f"{empty[0].name} is empty; ask for another copy"
+            problem = student.problem or f"{empty[0].name} is empty; another copy is needed"
         return Found({}, problem, untouched=tuple(untouched))
     chosen = candidates[0]
     used = [chosen]
@@ -134,13 +135,14 @@ def find_files(student: Student, names: Sequence[str], taken: str = "", why: str
     )
 
 
-def sole_work(student: Student) -> str:
-    """Return the name of the only file that may be work, whatever it is called; "" if none is it.
+def find_sole(student: Student, names: Sequence[str]) -> Found:
+    """Do as `find_files`, but take the only file that may be work, whatever it is called.
 
     What was handed out is no work.
     """
     files = [each for each in left_over(student, ()) if not is_handed_out(each.path)]
-    return files[0].name if len(files) == 1 and _is_python(files[0]) else ""
+    sole = files[0].name if len(files) == 1 and _is_python(files[0]) else ""
+    return find_files(student, names, sole, SOLE)
 
 
 def _is_python(file: HandedIn) -> bool:

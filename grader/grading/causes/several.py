@@ -69,8 +69,8 @@ def cause_of_several(exercise: Exercise, failed: Sequence[Failed], trials: ByNam
             exercise, sentences(check.message, check.help), [check, *same],
             hint=hint_for(exercise, [check]), all_of_it=True,
         )  # fmt: skip
-    if named or len({check.task for check in same}) < 2:
-        return None
+    if named or len(same) < FEW or len({check.task for check in same}) < 2:
+        return None  # of two, each may have a mistake of its own: their own helps stand
     names = {check.scenario or "" for check in same}
     rows: list[_Row] = []
     log: list[LogLine] = []
@@ -126,8 +126,12 @@ def in_common(rows: Sequence[_Row], field: str, reason: str = "") -> str:
     pairs = Counter(
         (_shown(row.said), spell_allowed(next(iter(row.case.allowed.values())))) for row in wrong
     )
-    kinds = [f"{n} times {is_} where {right} is right" for (is_, right), n in pairs.most_common(2)]
-    rest = "; the others are right" if len(pairs) == len(kinds) else ""
+    kinds = [
+        f"{'once' if n == 1 else f'{n} times'} {is_} where {right} is right"
+        for (is_, right), n in pairs.most_common(2)
+    ]
+    left = len(wrong) - sum(n for _, n in pairs.most_common(2))
+    rest = f", {left} otherwise" if left else "; the others are right"
     first = wrong[0].case
     return (
         f"{len(wrong)} of {len(rows)} answers have a wrong {field}: {', '.join(kinds)}{rest}. The "

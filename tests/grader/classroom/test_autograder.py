@@ -91,7 +91,8 @@ def written(place: Path) -> dict[str, Any]:
 
 
 def test_nothing_to_grade_is_told_with_what_is_there(place: Path) -> None:
-    (place / "submission" / "node.py").write_text("print('hi')")
+    for name in ("mine.py", "node.py"):
+        (place / "submission" / name).write_text("print('hi')")
     os.mkfifo(place / "submission" / "pipe")
     (place / "submission" / FILE).symlink_to("/etc/passwd")
 
@@ -101,7 +102,7 @@ def test_nothing_to_grade_is_told_with_what_is_there(place: Path) -> None:
     assert found["score"] == 0
     (test,) = found["tests"]
     assert (test["score"], test["max_score"], test["status"]) == (0, 100, "failed")
-    assert "there is node.py (links are not followed)" in test["output"]
+    assert "there is mine.py, node.py (links are not followed)" in test["output"]
 
 
 def test_it_runs_as_gradescope_runs_it(place: Path) -> None:
@@ -110,6 +111,17 @@ def test_it_runs_as_gradescope_runs_it(place: Path) -> None:
     done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=120)
     assert done.stdout == "0 points\n", done.stdout + done.stderr
     assert "expected a file obstacle_avoidance_agent.py" in written(place)["tests"][0]["output"]
+
+
+def test_the_only_work_counts_whatever_it_is_called(place: Path) -> None:
+    text = (ROOT / "solutions" / SLUG / FILE).read_text("utf-8")
+    (place / "submission" / "mine.py").write_text(text.replace("rclpy.init(", "rclpy.inti("))
+
+    assert main([str(place)]) == 0
+
+    found = written(place)
+    assert found["output"].startswith("Obstacle avoidance: 0 of 100 points\n")
+    assert "mine.py was graded, the only file that may be work" in found["output"]
 
 
 @pytest.mark.long

@@ -15,7 +15,7 @@ from handing_in import put, taken, tarred
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from grader.classroom.intake.exercise_files import find_files, sole_work
+from grader.classroom.intake.exercise_files import find_files, find_sole
 from grader.classroom.intake.handed_in import Student
 from grader.course.submission import MAX_SIZE, read_regular_file
 from grader.errors import InputError
@@ -40,7 +40,7 @@ def the_one(handed_in: Path) -> Student:
 def test_an_empty_file_is_no_work(handed_in: Path) -> None:
     put(handed_in, **{f"ann/{AGENT}": "\n \n"})
     student = the_one(handed_in)
-    assert find_files(student, [AGENT]).problem == f"{AGENT} is empty; ask for another copy"
+    assert find_files(student, [AGENT]).problem == f"{AGENT} is empty; another copy is needed"
     put(handed_in, **{"ann/agent (1).py": "print()\n"})
     found = find_files(the_one(handed_in), [AGENT])
     assert found.files[AGENT].name == "agent (1).py"
@@ -51,7 +51,8 @@ def test_the_only_file_is_work_if_there_is_more_in_it_than_comments(
     handed_in: Path, text: str, work: str
 ) -> None:
     put(handed_in, **{"ann/robot.py": text})
-    assert sole_work(the_one(handed_in)) == work
+    files = find_sole(the_one(handed_in), [AGENT]).files.values()
+    assert [file.name for file in files] == ([work] if work else [])
 
 
 def test_folders_and_archives_are_students(handed_in: Path) -> None:
