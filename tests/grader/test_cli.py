@@ -139,7 +139,7 @@ def test_the_reference_gets_full_marks(graded: tuple[Done, Path]) -> None:
 
     assert done.code == 0, done.err
     assert all(line.startswith("Exercise 1, ") for line in done.err.splitlines())  # how far it is
-    assert "100" in done.out
+    assert "100" in done.out and "hand in obstacle_avoidance_agent.py; course next" in done.out
     assert (result["score"], result["max_score"], result["field_ready"]) == (100, 100, None)
     assert result["exercise"] == "obstacle_avoidance"
     assert set(verdicts(result).values()) == {"pass"}
