@@ -334,8 +334,8 @@ def _module(error: Any) -> str:
             "so import it only where a model needs it, inside try … except"
         )
     return (
-        f"there is no {name} here: what is handed in may import {THERE}. A drive finds what is "
-        "installed beside `course`"
+        f"there is no {name} here: is it a file of yours? Then hand in {name}.py, too. Otherwise "
+        f"what is handed in may import {THERE}. A drive finds what is installed beside `course`"
     )
 
 
