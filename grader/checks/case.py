@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 from grader.checks.commands import Answer, spell
@@ -31,6 +32,14 @@ class Case:
     allowed: Mapping[str, Allowed] = field(default_factory=dict)  # by field; none: silence
     said: Mapping[str, Said] = field(default_factory=dict)  # in force at the end; none: nothing yet
     count: int = 1  # messages that were sent on this occasion
+
+    @cached_property
+    def rounded(self) -> tuple[tuple[str, Said], ...]:
+        """What it said, to three decimals, in order of the fields."""
+        return tuple(
+            (name, round(value, 3) if isinstance(value, float) else value)
+            for name, value in sorted(self.said.items())
+        )
 
     def wrong(self, tolerance: float = 0.0) -> str:
         """Return the first field in which it said something else; empty if it is right."""

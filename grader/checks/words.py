@@ -86,7 +86,7 @@ def follows(
     for recording, case in found:
         require_allowed(recording, case, explain(case) or help, tolerance=tolerance, topic=topic)
     asked = {name for _, case in found for name in case.allowed}
-    reacts([(run, case) for run, case in runs.cases() if asked & case.allowed.keys()])
+    reacts([(run, case) for run, case in runs.cases() if not asked.isdisjoint(case.allowed)])
 
 
 def require_allowed(
@@ -130,7 +130,7 @@ def reacts(answers: Sequence[tuple[Recording, Case]]) -> None:
 
     Without this a node that only ever stops would pass every check that expects a stop.
     """
-    said = Counter(_rounded(case) for _, case in answers)
+    said = Counter(case.rounded for _, case in answers)
     usual, count = said.most_common(1)[0] if answers else ((), 0)
     others = len(answers) - count
     bench = any(recording.scenario.bench_scans for recording, _ in answers)
@@ -324,13 +324,6 @@ def first_contact(recording: Recording) -> float | None:
     """Return when the robot first touched something [s]; None: never."""
     truth = recording.truth
     return float(truth.t[int(np.argmax(truth.contact))]) / 1e9 if truth.contact.any() else None
-
-
-def _rounded(case: Case) -> tuple[tuple[str, Said], ...]:
-    return tuple(
-        (name, round(value, 3) if isinstance(value, float) else value)
-        for name, value in sorted(case.said.items())
-    )
 
 
 def _shown(value: Said | None, unit: str = "") -> str:

@@ -92,25 +92,25 @@ def _ticks(recording: Recording, reports: list[Report]) -> Iterator[Case]:
     before = frozenset[str]()  # the reasons of the last tick
     for t, row, count in _in_force(recording):
         now, earlier = sent.by(t, t), sent.by(t - ARRIVAL_HAIR - recording.slack, t)
-        right = [*decisions(now, last), *decisions(earlier, last)]
+        right, what = [*decisions(now, last), *decisions(earlier, last)], now.what
         reported = _newest(reports, t + ZERO)[1] or {}
         said = {**_command(row), **reported} if row else {}
         settled = t - max(begin for begin in begins if begin <= t) >= SETTLED
         tags = frozenset(_tags(right, last, settled=settled))
         speeds, turn_rates = {each.speed for each in right}, {each.turn_rate for each in right}
         allowed = {"linear.x": exactly(*speeds), "angular.z": exactly(*turn_rates)}
-        yield Case(t, now.what, tags, allowed, said, count)
+        yield Case(t, what, tags, allowed, said, count)
         if count:
             most = {"linear.x": ((-math.inf, max(0.0, last) + MAX_RISE + TOLERANCE),)}
-            yield Case(t, now.what, frozenset({"rise"}), most, said)
+            yield Case(t, what, frozenset({"rise"}), most, said)
         asked = {"driving": speeds, "turning": turn_rates}
         if moving := {name: YES for name, numbers in asked.items() if 0.0 not in numbers}:
-            yield Case(t, now.what, frozenset({"moves", *LEVELS.keys() & tags}), moving, said)
+            yield Case(t, what, frozenset({"moves", *LEVELS.keys() & tags}), moving, said)
         reasons = frozenset(each.reason for each in right)
         if t > SETTLED:  # a new reason is due at the next tick
             sure = [reason for reason, matches in matching(now).items() if matches == {True}]
             tag = "first" if len(sure) > 2 else "alone"  # "ok" is always among them
-            yield Case(t, now.what, frozenset({tag}), {"reason": reasons | before}, reported)
+            yield Case(t, what, frozenset({tag}), {"reason": reasons | before}, reported)
         last, before = row[0] if row and math.isfinite(row[0]) else 0.0, reasons
 
 
