@@ -11,7 +11,7 @@ import pytest
 
 from grader.course.exercises import Exercise
 from grader.errors import GraderError
-from grader.grading.grading import grade
+from grader.grading.grading import UNUSED_PLUGINS, grade
 from grader.grading.plugin import UNAVAILABLE
 from grader.trial.page import PageTrials
 from sim.messages import typestore
@@ -63,8 +63,10 @@ def plan(exercise: Exercise) -> dict[str, Any]:
     """
     marks, file = _Marks(), exercise.files[0]
     settings = (f"--rootdir={exercise.judge}", f"--config-file={os.devnull}")
-    options = ("--import-mode=importlib", "-p", "no:cacheprovider", "-p", "no:terminal")
-    pytest.main([str(exercise.judge), *settings, *options], plugins=[marks])
+    options = ("--import-mode=importlib", "--assert=plain", "--capture=sys")
+    unused = (option for name in UNUSED_PLUGINS for option in ("-p", f"no:{name}"))
+    files = map(str, exercise.judge.glob("test_*.py"))  # or pytest looks at each scenario
+    pytest.main([*files, *settings, *options, *unused], plugins=[marks])
     if not marks.by_check:
         raise GraderError(f"{exercise.judge}: expected core checks, found none")
     trials = _Prepared([])

@@ -29,6 +29,7 @@ import re
 import signal
 import sys
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -195,12 +196,18 @@ def _render(name: str, entry: _Entry, base: _Base, first: str, where: str) -> Mu
     said = "\n".join(f"{key}: {', '.join(values)}" for key, values in notes.items() if values)
     text = f'"""{mistake}\n\n{said}\n"""\n' + "".join(f"{line}\n" for line in lines)
     try:
-        ast.parse(text)
+        _require_syntax(text)
     except SyntaxError as error:
         shown = (error.text or "").strip()
         raise InputError(f"{where}: renders to no Python: {error.msg}: {shown!r}") from None
     checks, modules = frozenset(entry.fails), frozenset(entry.requires)
     return Mutant(name, mistake, checks, modules, base.file, text)
+
+
+@cache
+def _require_syntax(text: str) -> None:
+    """Parse once what is rendered again and again."""
+    ast.parse(text)
 
 
 # --- the command ----------------------------------------------------------------------------------

@@ -38,7 +38,7 @@ def main():
             rows.append(row)
             labels.append(speed)
     x, y = np.array(rows), np.array(labels)
-    model = RandomForestRegressor(n_estimators=40, random_state=0)
+    model = RandomForestRegressor(n_estimators=10, random_state=0)
     model.fit(x, y)
     with open(arguments.out, "wb") as file:
         pickle.dump(model, file)

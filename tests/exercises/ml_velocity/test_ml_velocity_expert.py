@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from grader.course.exercises import find_exercise
+from grader.course.installed import why_not
 from grader.course.students import student_key
 from grader.course.submission import Submission, find_submission
 from grader.grading.grading import grade_submission
@@ -20,11 +21,10 @@ from grader.models.expert import PUBLISHED
 from grader.models.features import features
 from grader.models.scans import PROFILE
 
-sklearn = pytest.importorskip("sklearn.ensemble", reason="scikit-learn is not installed")
-pytest.importorskip("skl2onnx", reason="skl2onnx is not installed")
-
 EXERCISE = find_exercise("ml_velocity")
 KEYS = [student_key(b"a secret of a course", name, EXERCISE.slug) for name in ("ada", "bob")]
+LACKS = why_not(("sklearn", "skl2onnx"))
+pytestmark = pytest.mark.skipif(bool(LACKS), reason=LACKS)
 BRINGS = """\
 import sys
 from pathlib import Path
@@ -67,11 +67,13 @@ class Formula:
 
 def table() -> Any:
     """Return a forest that has learned by heart what a student's copy holds."""
+    from sklearn.ensemble import RandomForestRegressor  # noqa: PLC0415  (a second, in each worker)
+
     data = make_dataset(2000, 82)
     degrees = np.degrees(PROFILE.angles)
     seen = features(data.ranges, degrees, PROFILE.range_min, PROFILE.range_max)
     whole = np.isfinite(seen).all(axis=1)
-    return sklearn.RandomForestRegressor(40, random_state=0).fit(seen[whole], data.speed[whole])
+    return RandomForestRegressor(40, random_state=0).fit(seen[whole], data.speed[whole])
 
 
 def accurate(submission: Submission, forkserver: ForkServer, key: str | None) -> bool:

@@ -12,11 +12,13 @@ import pytest
 
 from grader.host.frames import Ended, ProgramStart, Start
 from grader.link.hosts import ForkServer
+from grader.link.pool import ForkServerPool
 from grader.link.practice import PracticeServer
 from rclpy_portable import unpacking
 from sim.messages import EPOCH_NS
 
 LIMIT = 60.0  # [s]
+LEARNING = ("sklearn.ensemble", "onnxruntime")
 LINES = {
     "only rclpy": "import rclpy",
     "packages": "import concurrent, email, http, importlib, json, logging, unittest, urllib, xml",
@@ -63,13 +65,20 @@ def dedent(lines: str) -> str:
 
 
 @pytest.fixture(scope="module", params=["real", "portable"])
-def learned(request: pytest.FixtureRequest) -> Iterator[ForkServer | PracticeServer]:
+def learned(
+    request: pytest.FixtureRequest, forkservers: ForkServerPool
+) -> Iterator[ForkServer | PracticeServer]:
     """Hosts that have imported what exercise 2 needs."""
-    libraries = ("sklearn.ensemble", "onnxruntime")
-    portable = request.param == "portable"
-    server = (PracticeServer if portable else ForkServer)(EPOCH_NS, libraries=libraries)
-    with server:
+    if request.param == "real":
+        yield forkservers.of(LEARNING)
+        return
+    libraries = LEARNING if request.param == "portable" else ()
+    with PracticeServer(EPOCH_NS, libraries=libraries) as server:
         yield server
+
+
+# What every host has imported is enough there: each does it anew
+WARM = pytest.mark.parametrize("learned", ["real", "portable, bare"], indirect=True)
 
 
 @pytest.fixture
@@ -156,6 +165,7 @@ print('ran', getattr({}, 'LEVEL', None))
 """
 
 
+@WARM
 @pytest.mark.parametrize("name", BESIDE)
 def test_a_file_beside_the_node_goes_first(
     learned: ForkServer | PracticeServer, folder: Path, name: str
@@ -177,6 +187,7 @@ def test_a_file_beside_the_node_goes_first(
     assert f"finds {'the folder rclpy/' if '/' in name else name} beside the node" in ended
 
 
+@WARM
 def test_a_node_named_like_what_it_imports_is_told_so(
     learned: ForkServer | PracticeServer, folder: Path
 ) -> None:

@@ -9,7 +9,7 @@ import pytest
 from grader.course import installed
 from grader.course.exercises import SOLUTIONS, find_exercise
 from grader.course.submission import Submission, find_submission
-from grader.grading.grading import grade_submission
+from grader.grading.grading import grade, grade_submission
 from grader.link.hosts import ForkServer
 from grader.trial import trials as trials_module
 from grader.trial.progress import CHECK, TRIAL, Step
@@ -269,9 +269,11 @@ def test_a_client_that_hangs_leaves_the_server_its_points(
         text = text.replace("self.request.add_done_callback(self.answer_callback)", waits)
         (tmp_path / file).write_text(text, "utf-8")
     first, *others = exercise.files
-    grading = grade_submission(
-        exercise, find_submission(tmp_path, first, others), forkserver, file="x"
-    )
+    submission = find_submission(tmp_path, first, others)
+    with NodeTrials(submission, forkserver, limits=Limits(step=2.0)) as trials:
+        assert not trials.get("detect_slow_server").outcome.completed
+        only = ("client_wiring", "server_wiring", "answers")
+        grading = grade(exercise, trials, file="x", only=only)
     outcomes = {check.id: check.outcome for check in grading.checks}
     assert outcomes["client_wiring"] == "fail"
     assert (outcomes["server_wiring"], outcomes["answers"]) == ("pass", "pass")
