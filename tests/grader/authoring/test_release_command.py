@@ -7,6 +7,10 @@ from pathlib import Path
 import pytest
 from command_line import course
 
+from grader.cli.release import release
+from grader.course import exercises
+from grader.errors import InputError
+
 # What is made for a release is tested with the whole of it: tests/notebooks/test_handouts.py.
 
 
@@ -30,3 +34,16 @@ def test_the_command_refuses_in_one_line(tmp_path: Path) -> None:
     done = course("release", tmp_path)
     assert (done.code, done.out, done.err.count("\n")) == (2, "", 1)
     assert "new or empty" in done.err
+
+
+def test_what_is_no_checkout_is_no_place_for_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(exercises, "ROOT", tmp_path)
+    with pytest.raises(InputError, match="expected a checkout of the course, with solutions/"):
+        release.main([str(tmp_path / "week")], standalone_mode=False)
+
+
+def test_pages_of_markdown_keep_their_answers(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="--no-answers is for the site"):
+        release.main([str(tmp_path / "week"), "--plain", "--no-answers"], standalone_mode=False)
