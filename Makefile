@@ -12,8 +12,6 @@ SITE ?=
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-# Some images set it; hundreds of processes would each compile the course anew
-unexport PYTHONDONTWRITEBYTECODE
 .PHONY: help setup grade test test-field test-long test-all test-deep lint format prove mutate conform wheel attacks site workspace lite notebooks students bench profile skeletons goldens constraints clean
 
 help: ## list the commands

@@ -114,11 +114,10 @@ def _todo(grading: Grading, what: str) -> str:
     from grader.report.facts import first_failure  # noqa: PLC0415
 
     first = first_failure(grading.as_dict())
-    if first is None and grading.score < grading.exercise.max_points:
-        return "course next"
-    if first is None:
-        return f"hand in {', '.join(grading.exercise.files)}; course next"
-    return f"course why CHECK says more; course grade {what} --only {first['id']}"
+    if first is not None:
+        return f"course why CHECK says more; course grade {what} --only {first['id']}"
+    whole = grading.score == grading.exercise.max_points
+    return f"hand in {', '.join(grading.exercise.files)}; course next" if whole else "course next"
 
 
 def _student_key(student: str | None, secret: Path | None, slug: str, seed: int | None) -> str:

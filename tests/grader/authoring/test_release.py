@@ -17,7 +17,7 @@ import pytest
 
 from grader.authoring import handouts
 from grader.authoring.leaks import leaks
-from grader.authoring.release import _walk, contents, drafts, questions, release
+from grader.authoring.release import INSTRUCTORS, _walk, contents, drafts, questions, release
 from grader.course.exercises import ROOT, all_exercises
 from grader.errors import GraderError, InputError
 from sim.scenario_files import EXTENDS, scenario_names
@@ -166,6 +166,11 @@ def test_without_sphinx_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 # --- what must not be there ------------------------------------------------------------------
+
+
+def test_what_is_for_instructors_is_there_and_stays_there(released: Path) -> None:
+    assert [each for each in INSTRUCTORS if not (ROOT / each).exists()] == []
+    assert [each for each in INSTRUCTORS if (released / each).exists()] == []
 
 
 def test_students_get_no_answers(released: Path) -> None:

@@ -124,6 +124,17 @@ def test_the_only_work_counts_whatever_it_is_called(place: Path) -> None:
     assert "mine.py was graded, the only file that may be work" in found["output"]
 
 
+def test_of_two_copies_the_page_names_the_one_that_counts(place: Path) -> None:
+    for name in (FILE, FILE.replace(".py", " (1).py")):
+        (place / "submission" / name).write_text("def main(:\n")
+
+    assert main([str(place)]) == 0
+
+    found = written(place)
+    assert "(1).py was graded; 1 more of that name did not count" in found["output"]
+    assert "a syntax error: `python3 FILE` says where" in found["tests"][0]["output"]
+
+
 @pytest.mark.long
 def test_a_renamed_file_is_graded_and_no_seed_is_told(place: Path) -> None:
     chosen(place, SLUG, "goal_seeking", secret=True)
