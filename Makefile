@@ -16,6 +16,7 @@ SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
+	@$(PYTHON) .ci/budget.py 2>/dev/null || true
 
 setup: $(VENV)/.course ## make .venv with the command `course`
 
@@ -37,7 +38,8 @@ test-deep: $(DEEP)/.deep ## make .venv-deep with PyTorch and Keras, run what nee
 	$(DEEP)/bin/pytest -m deep
 	$(DEEP)/bin/python -m grader.authoring.proof model_formats
 
-lint: $(VENV)/.dev ## ruff, mypy, who imports whom, skeletons in step with the solutions
+lint: $(VENV)/.dev ## ruff, mypy, who imports whom, generated files in step, the budget of lines
+	$(BIN)/python .ci/budget.py
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
