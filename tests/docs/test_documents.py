@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import importlib.util
-import operator
 import re
 import shlex
 from pathlib import Path, PurePosixPath
 
 import click
-import pytest
 from documents import ROOT, Document, documents, tracked
 
 from grader.authoring.mutants import mutants
@@ -26,25 +24,26 @@ PLACEHOLDER = re.compile(r"\b(NAME|FILE|EXERCISE|FOLDER)\b|\*")
 WALK = "docs/add-an-exercise.md"  # its reader makes files of her own
 MADE = re.compile(r"(?m)^`([\w./-]+)`")  # in the walk
 
-path_of = operator.attrgetter("path")
-each = pytest.mark.parametrize("document", OURS, ids=path_of)
-
 
 # --- links -----------------------------------------------------------------------------------
 
 
-@each
-def test_links_lead_somewhere(document: Document) -> None:
-    broken = []
-    for link in document.links:
-        if re.match(r"[a-z]+:", link):
-            continue
-        target, _, fragment = link.partition("#")
-        file = (document.file.parent / target).resolve() if target else document.file
-        there = file.exists() and file.is_relative_to(ROOT)
-        if there and fragment:
-            there = fragment in Document(file.relative_to(ROOT).as_posix()).anchors
-        broken += [] if there else [link]
+def leads_somewhere(document: Document, link: str) -> bool:
+    target, _, fragment = link.partition("#")
+    file = (document.file.parent / target).resolve() if target else document.file
+    there = file.exists() and file.is_relative_to(ROOT)
+    if there and fragment:
+        return fragment in Document(file.relative_to(ROOT).as_posix()).anchors
+    return there
+
+
+def test_links_lead_somewhere() -> None:
+    broken = [
+        f"{document.path}: {link}"
+        for document in OURS
+        for link in document.links
+        if not re.match(r"[a-z]+:", link) and not leads_somewhere(document, link)
+    ]
     assert broken == []
 
 
@@ -65,29 +64,36 @@ def test_the_reader_of_the_readme_finds_every_document() -> None:
 # --- paths and commands ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("document", [*OURS, *documents("solutions/", "exercises/")], ids=path_of)
-def test_paths_exist(document: Document) -> None:
+def test_paths_exist() -> None:
     files = [PurePosixPath(path) for path in tracked()]
     there = {*files, *(folder for path in files for folder in path.parents)}
     tops = {path.parts[0] for path in files if len(path.parts) > 1}
-    if document.path == WALK:
-        there |= {PurePosixPath(path) for path in MADE.findall((ROOT / WALK).read_text("utf-8"))}
+    made = {PurePosixPath(path) for path in MADE.findall((ROOT / WALK).read_text("utf-8"))}
     lost = []
-    for span in document.spans:
-        if re.fullmatch(r"[\w.*-]+/[\w./*-]*", span) and PurePosixPath(span).parts[0] in tops:
-            pattern = PLACEHOLDER.sub("*", span.strip("/"))
-            lost += [] if any(path.match(pattern) for path in there) else [span]
+    for document in [*OURS, *documents("solutions/", "exercises/")]:
+        known = there | made if document.path == WALK else there
+        for span in document.spans:
+            if re.fullmatch(r"[\w.*-]+/[\w./*-]*", span) and PurePosixPath(span).parts[0] in tops:
+                pattern = PLACEHOLDER.sub("*", span.strip("/"))
+                if not any(path.match(pattern) for path in known):
+                    lost.append(f"{document.path}: {span}")
     assert lost == []
 
 
-@each
-def test_make_targets_and_modules_exist(document: Document) -> None:
+def test_make_targets_and_modules_exist() -> None:
     makefile = (ROOT / "Makefile").read_text("utf-8")
     targets = set(re.findall(r"(?m)^([a-z][a-z-]*):", makefile))
-    words = [code.partition("#")[0].split() for code in document.code if code.startswith("make ")]
-    assert {word for line in words for word in line[1:] if "=" not in word} <= targets
-    asked = {name for code in document.code for name in re.findall(r"\bpython3? -m ([\w.]+)", code)}
-    assert [name for name in sorted(asked) if not _can_be_run(name)] == []
+    wrong = []
+    for document in OURS:
+        for code in document.code:
+            if code.startswith("make "):
+                words = code.partition("#")[0].split()[1:]
+                wrong += [f"{document.path}: make {word}" for word in words
+                          if "=" not in word and word not in targets]  # fmt: skip
+            wrong += [f"{document.path}: python -m {name}"
+                      for name in re.findall(r"\bpython3? -m ([\w.]+)", code)
+                      if not _can_be_run(name)]  # fmt: skip
+    assert wrong == []
 
 
 def _can_be_run(name: str) -> bool:
@@ -97,10 +103,9 @@ def _can_be_run(name: str) -> bool:
     return importlib.util.find_spec(f"{name}.__main__") is not None
 
 
-@each
-def test_course_commands_and_their_options_exist(document: Document) -> None:
+def test_course_commands_and_their_options_exist() -> None:
     wrong = []
-    for code in document.code:
+    for where, code in [(document.path, code) for document in OURS for code in document.code]:
         match = re.match(r"(?:\.venv/bin/)?course ([a-z][a-z-]*)(.*)", code)
         if match is None:
             continue
@@ -111,11 +116,11 @@ def test_course_commands_and_their_options_exist(document: Document) -> None:
         else:
             asked_of = match[2]
         if command is None:
-            wrong.append(code)
+            wrong.append(f"{where}: {code}")
             continue
         known = {name for parameter in command.params for name in parameter.opts} | {"--help"}
         asked = [word for word in shlex.split(asked_of, comments=True) if word.startswith("--")]
-        wrong += [f"{code}: {word}" for word in asked if word not in known]
+        wrong += [f"{where}: {code}: {word}" for word in asked if word not in known]
     assert wrong == []
 
 
