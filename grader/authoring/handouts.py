@@ -84,10 +84,12 @@ def site(work: Path, left_out: Collection[str] = (), *, answers: bool = True) ->
 def notebooks(work: Path) -> dict[str, bytes]:
     """Return the notebooks as `nbgrader generate_assignment` releases them."""
     from grader.notebook.build import NOTEBOOKS as COURSE  # noqa: PLC0415  (Jupyter: 1 s)
-    from grader.notebook.build import SOURCES  # noqa: PLC0415
+    from grader.notebook.build import files  # noqa: PLC0415
 
     course = work / "course"
-    shutil.copytree(SOURCES, course / "source")
+    for path, text in files(course / "source"):
+        path.parent.mkdir(parents=True)
+        path.write_text(text, "utf-8")
     shutil.copyfile(COURSE / "nbgrader_config.py", course / "nbgrader_config.py")
     _run("-m", "nbgrader", "generate_assignment", "*", "--no-db", cwd=course)  # all of them
     return {f"{NOTEBOOKS}/{path.name}": data for path, data in _files(course / "release")}

@@ -29,8 +29,6 @@ def new(name: str) -> int:
     echo("It is also in these lists; say there in your words what it is about:")
     for path in made.edited:
         echo(f"  {path}")
-    for command in made.left:
-        echo(f"Still to be done: {command}")
     echo("See that it is right, and again after each change:")
     for command in (f".venv/bin/python -m grader.authoring.proof {name}", "make lint"):
         echo(f"  {command}")

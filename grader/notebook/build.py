@@ -1,17 +1,17 @@
 """Write the course's notebooks: the prose of `notebooks/text`, filled in from other sources.
 
 Each notebook is an assignment of nbgrader's by itself: `notebooks/text/NAME/NAME.md` is its text
-(jupytext, MyST). Prose and experiments are written there. The rest has its source elsewhere and is
-filled in here:
+(jupytext, MyST). Prose and experiments are written there. The rest has its source elsewhere. The
+text says so in a note, *(filled in: …)*, and it is filled in here:
 
 - the first cell: `grader.notebook.bootstrap`
 - the contract and the hints of an exercise: `exercises/*/README.md` and `hints.md`
 - `%%node` cells: `solutions/*`, with their markers; nbgrader's release leaves the skeletons
-- the points of `check(…)` cells: the judge
+- nbgrader's metadata of `%%node` and `check(…)` cells, with the points: the judge
 - the questions of the quiz and their mark schemes: the rubrics of `lessons/quiz.md`
 
-`python -m grader.notebook.build` writes both the texts and `notebooks/source`, `--check` only
-compares.
+`python -m grader.notebook.build` writes `notebooks/source`, `--check` only sees that every text can
+be filled in.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ import jupytext
 import nbformat
 from nbformat import NotebookNode, v4
 
-from grader.course.exercises import ROOT, all_exercises, find_exercise
-from grader.course.generated import still_in, write_or_check
+from grader.course.exercises import ROOT, SOLUTIONS, all_exercises, find_exercise
+from grader.course.generated import CHECK, still_in, write_or_check
 from grader.course.promises import without_promises
 from grader.errors import GraderError
 from grader.nbgrader.cells import Wanted, definition, wanted
@@ -42,21 +42,8 @@ QUIZ = ROOT / "lessons" / "quiz.md"
 MYST = "md:myst"
 SCHEMA = 3  # of nbgrader's metadata
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
-HEADER = """\
----
-jupytext:
-  text_representation:
-    extension: .md
-    format_name: myst
-kernelspec:
-  display_name: Python 3 (ipykernel)
-  language: python
-  name: python3
----
-
-"""
 PLACE = "from"  # key of a cell's metadata: where its content comes from
-QUIZ_PLACES = ("question", "answer")
+FILLED_IN = "(filled in: {})"  # a note of what comes there
 ANSWER = "Three to six sentences are expected."
 # nbgrader keeps such a part for the grader: students never get it, formgrader shows it
 MARK_SCHEME = """\
@@ -73,26 +60,26 @@ MARK_SCHEME = """\
 
 
 def main(arguments: list[str]) -> int:
-    """Write the notebooks, or with `--check` compare them; 1 if one is out of step."""
-    command = "python -m grader.notebook.build"
-    return write_or_check(files(), command, arguments)
+    """Write the notebooks, or with `--check` only make them; 2 if one can't be made."""
+    made = (file for file in files(SOURCES) if CHECK not in arguments)
+    return write_or_check(made, "python -m grader.notebook.build", arguments)
 
 
-def files() -> Iterator[tuple[Path, str]]:
-    """Yield path and content of each text and each notebook.
+def files(folder: Path) -> Iterator[tuple[Path, str]]:
+    """Yield path and content of each notebook below nbgrader's folder of sources.
 
     Raises
     ------
     GraderError
-        A notebook does not ask for each check of its exercises exactly once.
+        A text has something else where it is filled in, or does not ask for each check of its
+        exercises exactly once.
     """
     names = all_notebooks()
     if not names:
         raise GraderError(f"{TEXTS}: no notebooks here; run this in a full checkout")
     for name in names:
-        notebook = built(text_of(name))
-        yield text_of(name), as_text(notebook)
-        yield source_of(name), nbformat.writes(notebook, indent=1) + "\n"
+        text = nbformat.writes(built(text_of(name)), indent=1) + "\n"
+        yield folder / name / f"{name}.ipynb", text
 
 
 def all_notebooks() -> list[str]:
@@ -105,16 +92,10 @@ def text_of(name: str) -> Path:
     return TEXTS / name / f"{name}.md"
 
 
-def source_of(name: str) -> Path:
-    """Return where the instructor's notebook is."""
-    return SOURCES / name / f"{name}.ipynb"
-
-
 def built(path: Path) -> NotebookNode:
     """Return the instructor's notebook of a text, with everything filled in."""
-    text = path.read_text("utf-8")
-    found = jupytext.reads(text, MYST).cells
-    cells = [_filled(cell, path.name) for cell in found if _place(cell) not in QUIZ_PLACES]
+    found = jupytext.reads(path.read_text("utf-8"), MYST).cells
+    cells = [_filled(cell, path.name) for cell in found]
     if any(_place(cell) == "quiz" for cell in cells):
         cells += _quiz()
     _check_complete([cell for cell in cells if cell.cell_type == "code"], path.name)
@@ -124,14 +105,6 @@ def built(path: Path) -> NotebookNode:
     return v4.new_notebook(
         cells=cells, metadata={"kernelspec": KERNEL, "language_info": {"name": "python"}}
     )
-
-
-def as_text(notebook: NotebookNode) -> str:
-    """Return a notebook as text that does not depend on jupytext's version."""
-    plain = nbformat.from_dict({**notebook, "metadata": {"kernelspec": KERNEL}})
-    text: str = jupytext.writes(plain, MYST)
-    _, _, body = text.removeprefix("---\n").partition("\n---\n")
-    return HEADER + body.lstrip("\n")
 
 
 def asked_by(notebook: NotebookNode) -> dict[str, Wanted]:
@@ -151,34 +124,60 @@ def _place(cell: NotebookNode) -> str:
 
 def _filled(cell: NotebookNode, name: str) -> NotebookNode:
     """Return the cell with the content that comes from elsewhere."""
-    _, _, which = str(cell.metadata.get(PLACE, "")).partition(" ")
     made = v4.new_code_cell("") if cell.cell_type == "code" else v4.new_markdown_cell("")
-    made.source = cell.source
     made.metadata.update({key: cell.metadata[key] for key in (PLACE,) if key in cell.metadata})
-    match _place(cell):
-        case "bootstrap":
-            made.source = BOOTSTRAP.rstrip("\n")
-        case "contract":
-            made.source = _contract(which)
-        case "hints":
-            made.source = _hints(which)
-        case "" | "quiz":
-            _graded(made)
-        case other:
-            raise GraderError(f"{name}: a cell comes from an unknown place, {other!r}")
+    note, made.source = _filling(cell, name)
+    if cell.source != note:
+        raise GraderError(
+            f"{name}: a cell is filled in, so what stands in it would be lost: "
+            f"expected {note!r}, is {cell.source[:100]!r}; edit it where it comes from"
+        )
+    _graded(made)
     return made
 
 
+def _filling(cell: NotebookNode, name: str) -> tuple[str, str]:
+    """Return what a cell has to say in the text, and what it becomes."""
+    _, _, which = str(cell.metadata.get(PLACE, "")).partition(" ")
+    match _place(cell):
+        case "bootstrap":
+            note = f"# {FILLED_IN.format('grader/notebook/bootstrap.py')}"
+            return note, BOOTSTRAP.rstrip("\n")
+        case "contract":
+            where = f"topics and tasks of exercises/{which}/README.md"
+            return f"*{FILLED_IN.format(where)}*", _contract(which)
+        case "hints":
+            return f"*{FILLED_IN.format(f'exercises/{which}/hints.md')}*", _hints(which)
+        case "quiz":
+            note = f"\n\n*{FILLED_IN.format('questions and mark schemes of lessons/quiz.md')}*"
+            prose = cell.source.removesuffix(note)
+            return f"{prose}{note}", prose
+        case "":
+            made = definition(cell.source) if cell.cell_type == "code" else None
+            return (cell.source, cell.source) if made is None else _node(made.file)
+        case other:
+            raise GraderError(f"{name}: a cell comes from an unknown place, {other!r}")
+
+
+def _node(file: str) -> tuple[str, str]:
+    """Return what the `%%node` cell of a file says in the text, and the cell with its solution.
+
+    Where there are no solutions, as in an image for students, the skeleton takes its place.
+    """
+    exercise = next((each for each in all_exercises() if file in each.files), None)
+    if exercise is None:
+        raise GraderError(f"%%node {file} belongs to no exercise")
+    there = exercise.solutions if SOLUTIONS.is_dir() else exercise.folder
+    text = (there / file).read_text("utf-8")
+    note = f"# {FILLED_IN.format(f'solutions/{exercise.slug}/{file}')}"
+    return f"%%node {file}\n{note}", f"%%node {file}\n{text}".rstrip("\n")
+
+
 def _graded(cell: NotebookNode) -> None:
-    """Fill in a `%%node` cell or a test cell, and nbgrader's metadata of it."""
+    """Write nbgrader's metadata into a `%%node` cell or a test cell."""
     if cell.cell_type != "code":
         return
     if made := definition(cell.source):
-        folders = [e.solutions for e in all_exercises() if made.file in e.files]
-        if not folders:
-            raise GraderError(f"%%node {made.file} belongs to no exercise")
-        text = (folders[0] / made.file).read_text("utf-8")
-        cell.source = f"%%node {made.file}\n{text}".rstrip("\n")
         name = f"node-{made.file.removesuffix('.py')}"
         cell.metadata["nbgrader"] = _about(name, grade=False, solution=True)
     elif (asked := wanted(cell.source)) is not None and asked.checks:

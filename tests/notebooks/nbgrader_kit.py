@@ -2,10 +2,10 @@
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +14,7 @@ from nbgrader.api import Grade, Gradebook
 
 from grader.course.exercises import ROOT, Exercise, find_exercise
 from grader.nbgrader.cells import definition
-from grader.notebook.build import NOTEBOOKS, all_notebooks, asked_by
-from grader.notebook.build import source_of as source_path
+from grader.notebook.build import NOTEBOOKS, all_notebooks, asked_by, built, text_of
 
 FULL = os.environ.get("COURSE_NOTEBOOKS") == "full"
 ALL = "*"  # nbgrader's commands take it for "every assignment"
@@ -51,7 +50,7 @@ def make_course(folder: Path, notebooks: Sequence[str], extra: str = "") -> Path
     for name in notebooks:
         source = folder / "source" / name / f"{name}.ipynb"
         source.parent.mkdir(parents=True)
-        shutil.copyfile(source_path(name), source)
+        nbformat.write(stored(name), source)
     config = (NOTEBOOKS / "nbgrader_config.py").read_text("utf-8")
     exchange = folder / "exchange"
     exchange.mkdir()
@@ -68,9 +67,10 @@ def whole_course(made_once: MadeOnce) -> Path:
     return made_once("whole-course", lambda folder: make_course(folder, all_notebooks()))
 
 
+@cache
 def stored(name: str) -> Any:
-    """Return an instructor's notebook."""
-    return nbformat.read(source_path(name), as_version=4)
+    """Return an instructor's notebook, which nobody may change."""
+    return built(text_of(name))
 
 
 def exercises_of(name: str) -> list[Exercise]:

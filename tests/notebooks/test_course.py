@@ -1,4 +1,4 @@
-"""The notebooks: in step with what they are made from, complete, and they run."""
+"""The notebooks: made from other files, complete, and they run."""
 
 import json
 import re
@@ -25,6 +25,7 @@ from nbgrader_kit import (
 
 from grader.course.exercises import ROOT, all_exercises
 from grader.course.installed import why_not
+from grader.errors import GraderError
 from grader.nbgrader.cells import definition
 from grader.nbgrader.points import points_of
 from grader.notebook import build
@@ -41,11 +42,7 @@ def course(made_once: MadeOnce) -> Path:
 # --- made from elsewhere -------------------------------------------------------------------
 
 
-def test_texts_and_notebooks_are_in_step() -> None:
-    for path, text in build.files():
-        name = path.relative_to(ROOT)
-        assert path.read_text("utf-8") == text, f"{name}: run python -m grader.notebook.build"
-    assert {path.stem for path in build.SOURCES.glob("*/*.ipynb")} == set(ALL)
+def test_every_text_can_be_filled_in() -> None:
     for name in ALL:
         nbformat.validate(stored(name))
 
@@ -64,21 +61,55 @@ def test_each_exercise_has_a_notebook_of_its_number() -> None:
         assert {f"contract {exercise.slug}", f"hints {exercise.slug}"} <= places
 
 
-def test_a_stale_notebook_is_found(
+@pytest.mark.parametrize(
+    ("note", "more"),
+    [
+        ("# (filled in: grader/notebook/bootstrap.py)", "import grader"),
+        ("tasks of exercises/obstacle_avoidance/README.md)*", "\n\nAnd one task more."),
+        ("# (filled in: solutions/obstacle_avoidance/obstacle_avoidance_agent.py)", "\nx = 1"),
+        ("*(filled in: exercises/obstacle_avoidance/hints.md)*", "Think first."),
+    ],
+)
+def test_what_is_written_where_it_would_be_lost_is_an_error(
+    note: str, more: str, tmp_path: Path
+) -> None:
+    text = build.text_of("01_loop").read_text("utf-8")
+    assert text.count(note) == 1
+    path = tmp_path / "01_loop.md"
+    for wrong in (text.replace(note, more), text.replace(note, note + more)):
+        path.write_text(wrong, "utf-8")
+        with pytest.raises(GraderError, match=r"01_loop\.md: a cell is filled in.*expected '"):
+            build.built(path)
+
+
+def test_the_notebooks_are_made_and_only_asked_for_with_check(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     texts = tmp_path / "text"
     (texts / "01_loop").mkdir(parents=True)
-    for name, module in (("TEXTS", texts), ("SOURCES", tmp_path), ("ROOT", tmp_path)):
-        monkeypatch.setattr(build, name, module)
+    monkeypatch.setattr(build, "TEXTS", texts)
+    monkeypatch.setattr(build, "SOURCES", tmp_path / "source")
     text = (ROOT / "notebooks/text/01_loop/01_loop.md").read_text("utf-8")
-    (texts / "01_loop" / "01_loop.md").write_text(text.replace("TODO", "todo"), "utf-8")
+    (texts / "01_loop/01_loop.md").write_text(text, "utf-8")
 
-    assert build.main(["--check"]) == 1
+    assert build.main(["--check"]) == 0
     assert not list(tmp_path.rglob("*.ipynb"))
     assert build.main([]) == 0
-    assert build.main(["--check"]) == 0
-    assert "01_loop.ipynb is out of step" in capsys.readouterr().out
+    made = nbformat.read(tmp_path / "source/01_loop/01_loop.ipynb", as_version=4)
+    assert made == stored("01_loop")
+    (texts / "01_loop/01_loop.md").write_text(text.replace(",drives_on", ""), "utf-8")
+    assert build.main(["--check"]) == 2
+    assert "01_loop.md: not in exactly one cell: drives_on" in capsys.readouterr().err
+
+
+def test_without_solutions_there_are_skeletons(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in an image for students, which has no solutions (.dockerignore)."""
+    monkeypatch.setattr(build, "SOLUTIONS", ROOT / "no_such_folder")
+    made = [d for c in build.built(build.text_of("03_goal")).cells if (d := definition(c.source))]
+    exercise = next(each for each in all_exercises() if each.slug == "goal_seeking")
+    for one in made:
+        assert one.text == (exercise.folder / one.file).read_text("utf-8")
+    assert {one.file for one in made} == set(exercise.files)
 
 
 def test_ids_stay_when_a_cell_is_put_between(tmp_path: Path) -> None:

@@ -1,17 +1,15 @@
 """A cell that would spin in the kernel is caught before it runs; nothing else is."""
 
 import ast
-import json
 from pathlib import Path
 
 import pytest
 from kernels import Kernel
 
-from grader.course.generated import ROOT
+from grader.notebook.build import all_notebooks, built, text_of
 from grader.notebook.guard import SpinGuard
 from grader.notebook.session import SESSION
 
-NOTEBOOKS = ROOT / "notebooks/source"
 NODE = """
 import rclpy
 from rclpy.node import Node
@@ -69,12 +67,7 @@ def test_a_cell_that_would_spin_is_refused_and_no_other(how: str) -> None:
 
 
 def test_no_node_cell_that_is_handed_out_runs_without_its_first_line() -> None:
-    cells = [
-        "".join(cell["source"])
-        for path in sorted(NOTEBOOKS.glob("*/*.ipynb"))
-        for cell in json.loads(path.read_text("utf-8"))["cells"]
-        if cell["cell_type"] == "code"
-    ]
+    cells = [cell.source for name in all_notebooks() for cell in built(text_of(name)).cells]
     nodes = [cell for cell in cells if cell.startswith("%%node") and "import rclpy" in cell]
     assert len(nodes) >= 10
     for cell in nodes:

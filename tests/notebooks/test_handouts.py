@@ -12,6 +12,7 @@ from nbgrader_kit import MadeOnce, whole_course
 from grader.authoring.leaks import leaks
 from grader.authoring.pitfalls import PITFALLS
 from grader.course.exercises import ROOT, all_exercises
+from grader.notebook.build import all_notebooks
 
 pytestmark = pytest.mark.long
 
@@ -45,8 +46,7 @@ def test_students_get_lesson_notebooks_skeletons_scenarios_and_grader(released: 
         assert f"lesson/pitfalls/{pitfall.name}.html" in there
         replays = map(pitfall.replay_of, pitfall.nodes)
         assert {f"lesson/pitfalls/replays/{name}.html" for name in replays} <= there
-    sources = (ROOT / "notebooks" / "source").rglob("*.ipynb")
-    assert {f"notebooks/{file.name}" for file in sources} <= there
+    assert {f"notebooks/{name}.ipynb" for name in all_notebooks()} <= there
     assert {
         "lesson/index.html",
         "sim/scenarios/demo/demo_wall.toml",

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import nbformat
 import nbgrader
 import pytest
 from html_pages import Page
@@ -18,7 +17,7 @@ from grader.nbgrader import configure, offline
 from grader.nbgrader.intake import Cell
 from grader.nbgrader.offline import MAX_FORMULA, highlighted, page_of
 from grader.nbgrader.restore import MAX_PROSE, restored
-from grader.notebook.build import source_of
+from grader.notebook.build import built, text_of
 
 STATIC = Path(nbgrader.__file__).parent / "server_extensions" / "formgrader" / "static"
 CSS = STATIC / "node_modules" / "bootstrap" / "dist" / "css"
@@ -59,7 +58,7 @@ def render() -> Render:
 
 def graded() -> NotebookNode:
     """A notebook of the course with formulas, as it is after grading."""
-    notebook = nbformat.read(source_of("04_memory"), as_version=4)
+    notebook = built(text_of("04_memory"))
     for cell in notebook.cells:
         if "nbgrader" in cell.metadata:
             cell.metadata.nbgrader |= {"score": 1.0, "comment": "Well done: $v < 0$."}

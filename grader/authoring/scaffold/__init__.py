@@ -25,8 +25,7 @@ SUFFIX = ".in"
 NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 DEVICE = re.compile(r"con|prn|aux|nul|(com|lpt)\d")
 LONGEST = 20  # [characters] of a name, so that lines stay within 100
-GENERATED = ("grader.course.skeletons", "grader.notebook.build")  # have to be in step with it
-NEEDS = {"grader.notebook.build": "jupytext"}  # module: what it is made with
+SKELETONS = "grader.course.skeletons"  # writes what is generated of it
 
 
 @dataclass
@@ -37,7 +36,6 @@ class Made:
     number: int
     new: list[Path] = field(default_factory=list)  # relative to the course
     edited: list[Path] = field(default_factory=list)
-    left: list[str] = field(default_factory=list)  # commands that could not be run here
 
 
 def scaffold(name: str, root: Path = ROOT) -> Made:
@@ -185,20 +183,12 @@ def _edits(words: Mapping[str, str], root: Path) -> Iterator[tuple[Path, str]]:
 
 
 def _generate(made: Made, root: Path) -> None:
-    """Make what is generated: skeletons and notebooks."""
-    slug = made.slug
-    made.new.append(Path("exercises") / slug / f"{slug}_agent.py")
-    for module in GENERATED:
-        if module in NEEDS and importlib.util.find_spec(NEEDS[module]) is None:
-            made.left.append(f"python -m {module}  (needs {NEEDS[module]}: the extra notebooks)")
-            continue
-        if module in NEEDS:
-            text = next(path for path in made.new if path.parts[:2] == ("notebooks", "text"))
-            made.new.append(Path("notebooks/source", text.parent.name, f"{text.stem}.ipynb"))
-        done = subprocess.run(
-            [sys.executable, "-m", module],
-            cwd=root, capture_output=True, text=True, check=False,
-        )  # fmt: skip
-        if done.returncode:
-            last = (done.stdout + done.stderr).strip().splitlines() or ["no words"]
-            raise GraderError(f"python -m {module}: {last[-1]}")
+    """Make what is generated: the skeleton."""
+    made.new.append(Path("exercises") / made.slug / f"{made.slug}_agent.py")
+    done = subprocess.run(
+        [sys.executable, "-m", SKELETONS],
+        cwd=root, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    if done.returncode:
+        last = (done.stdout + done.stderr).strip().splitlines() or ["no words"]
+        raise GraderError(f"python -m {SKELETONS}: {last[-1]}")
