@@ -12,7 +12,7 @@ SITE ?=
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-field test-long test-all test-deep lint format prove mutate conform wheel attacks site workspace lite notebooks students bench profile skeletons goldens constraints clean
+.PHONY: help setup grade test test-field test-long test-all test-deep lint format prove mutate conform wheel attacks site workspace lite assignments notebooks students bench profile skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -104,6 +104,9 @@ workspace: $(VENV)/.dev ## fetch and build what runs exercises in the site's pag
 lite: workspace ## the notebooks for the browser, with JupyterLite, on top of the workspace
 	$(BIN)/python -m workspace.lite build/lite build/packages build/workspace
 
+assignments: $(VENV)/.dev ## write the notebooks, solutions and all, into notebooks/source for nbgrader
+	$(BIN)/python -m grader.notebook.build
+
 notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with seven students in all exercises
 	COURSE_NOTEBOOKS=full $(PYTEST) tests/notebooks \
 	  tests/browser/test_jupyterlab.py tests/browser/test_formgrader.py
@@ -111,11 +114,10 @@ notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with seve
 students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to two hours)
 	COURSE_STUDENTS=200 $(PYTEST) tests/grader/authoring/test_fairness.py
 
-skeletons: $(VENV)/.dev ## make the skeletons and notebooks anew
+skeletons: $(VENV)/.dev ## make anew what is generated and in git: skeletons, tables, pitfalls
 	$(BIN)/python -m grader.course.skeletons
 	$(BIN)/python -m grader.authoring.tables
 	$(BIN)/python -m grader.authoring.pitfalls --made
-	$(BIN)/python -m grader.notebook.build
 
 # soupsieve 3 wants Python 3.11.5, and Debian 12 has 3.11.2
 constraints: ## pin the newest versions that fit pyproject.toml

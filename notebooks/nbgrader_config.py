@@ -3,7 +3,22 @@
 What is graded are nodes, driven and judged by the course's own judge: no cell of a student runs.
 """
 
+import sys
+from pathlib import Path
+
 from grader.nbgrader import configure
+
+source = Path(__file__).with_name("source")
+parts = "notebooks/text/*/*.md", "exercises/*/*.md", "solutions/*/*.py", "lessons/quiz.md"
+made_from = [path.stat().st_mtime for part in parts for path in source.parents[1].glob(part)]
+make = (
+    "`make assignments` in the course's folder writes them, and so does "
+    "`python -m grader.notebook.build` in an environment of your own."
+)
+if not any(source.glob("*/*.ipynb")):
+    sys.exit(f"{source}: expected the course's notebooks, but they are not made yet. {make}")
+if source.stat().st_mtime < max(made_from, default=0.0):
+    print(f"{source}: older than what it is made from. {make}", file=sys.stderr)
 
 c = get_config()  # noqa: F821  (nbgrader's)
 c.CourseDirectory.course_id = "rclpy_agents"

@@ -62,7 +62,10 @@ MARK_SCHEME = """\
 def main(arguments: list[str]) -> int:
     """Write the notebooks, or with `--check` only make them; 2 if one can't be made."""
     made = (file for file in files(SOURCES) if CHECK not in arguments)
-    return write_or_check(made, "python -m grader.notebook.build", arguments)
+    code = write_or_check(made, "python -m grader.notebook.build", arguments)
+    if not code and not arguments:
+        SOURCES.touch()  # also where nothing was new: nbgrader_config.py asks how old it is
+    return code
 
 
 def files(folder: Path) -> Iterator[tuple[Path, str]]:
