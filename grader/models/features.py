@@ -1,4 +1,4 @@
-"""The five features of a scan that the course's models take, as EXERCISES.md defines them.
+"""The five features of a scan that the course's models take, as exercise 2 defines them.
 
 ========  ==============================================  =====
 column    feature                                         unit

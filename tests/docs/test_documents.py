@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import re
 import shlex
+import subprocess
 from pathlib import Path, PurePosixPath
 
 import click
@@ -65,19 +66,33 @@ def test_the_reader_of_the_readme_finds_every_document() -> None:
 
 
 def test_paths_exist() -> None:
+    """In documents, and in backticks in programs: docstrings, comments, texts."""
     files = [PurePosixPath(path) for path in tracked()]
     there = {*files, *(folder for path in files for folder in path.parents)}
     tops = {path.parts[0] for path in files if len(path.parts) > 1}
     made = {PurePosixPath(path) for path in MADE.findall((ROOT / WALK).read_text("utf-8"))}
+    texts = [each for each in documents() if not each.path.startswith("changelog.d/")]
+    named = [(each.path, span) for each in texts for span in each.spans]
+    pages = {path.name for path in files}
     lost = []
-    for document in [*OURS, *documents("solutions/", "exercises/")]:
-        known = there | made if document.path == WALK else there
-        for span in document.spans:
-            if re.fullmatch(r"[\w.*-]+/[\w./*-]*", span) and PurePosixPath(span).parts[0] in tops:
-                pattern = PLACEHOLDER.sub("*", span.strip("/"))
-                if not any(path.match(pattern) for path in known):
-                    lost.append(f"{document.path}: {span}")
+    for path in (path for path in tracked() if path.endswith(".py")):
+        program = (ROOT / path).read_text("utf-8")
+        named += [(path, span) for span in re.findall(r"`([^`\n]+)`", program)]
+        words = re.findall(r"\b(?!NAME)[A-Z]+\.md\b", program)
+        lost += [f"{path}: {word}" for word in words if word not in pages]
+    for where, span in named:
+        known = there | made if where == WALK else there
+        if re.fullmatch(r"[\w.*-]+/[\w./*-]*", span) and PurePosixPath(span).parts[0] in tops:
+            pattern = PLACEHOLDER.sub("*", span.strip("/"))
+            if not any(path.match(pattern) for path in known) and not _is_ignored(span):
+                lost.append(f"{where}: {span}")
     assert lost == []
+
+
+def _is_ignored(path: str) -> bool:
+    """Return whether git ignores the path: it is made when it is needed."""
+    asked = ["git", "check-ignore", path, f"{path}/"]
+    return subprocess.run(asked, cwd=ROOT, capture_output=True, check=False).returncode == 0
 
 
 def test_make_targets_and_modules_exist() -> None:

@@ -1,8 +1,8 @@
 """Probe classifiers: what does a detection server do with its model? The answers to /detect tell.
 
 As in `probes`, the judge pickles them and the student's node unpickles them. Each has `predict(X)`
-and `predict_proba(X)` for X of shape (n, 5), features in the order of EXERCISES.md, and nothing
-else that a node may rely on.
+and `predict_proba(X)` for X of shape (n, 5), features in the order of `grader/models/features.py`,
+and nothing else that a node may rely on.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Models that tell the judge, through `/cmd_vel` alone, what a node does with its model.
 
 They are pickled by the judge (grader.models.files) and unpickled by the student's node. Each has
-`predict(X)` for X of shape (n, 5), features in the order of EXERCISES.md: front minimum, mean and
-standard deviation, left minimum, right minimum. None of them is clever; each answers one question.
+`predict(X)` for X of shape (n, 5), features in the order of `grader/models/features.py`: front
+minimum, mean and standard deviation, left minimum, right minimum. None of them is clever; each
+answers one question.
 
 None of them counts or waits, which a student's process could undo. A model that takes time, or
 whose loads count, stays with the judge (grader.models.service), and the file holds a `kept.Kept`.
