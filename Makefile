@@ -47,6 +47,7 @@ lint: $(VENV)/.dev ## ruff, mypy, who imports whom, generated files in step, the
 	$(BIN)/towncrier build --draft --version next
 	$(BIN)/python -m grader.course.skeletons --check
 	$(BIN)/python -m grader.authoring.tables --check
+	$(BIN)/python -m grader.authoring.mutants --check
 	$(BIN)/python -m grader.authoring.pitfalls --check
 	$(BIN)/python -m grader.notebook.build --check
 

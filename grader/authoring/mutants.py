@@ -14,11 +14,11 @@ A mutant is one mistake, written as a small diff of a program in `solutions/EXER
 
 `grader.authoring.edits` says how an edit is read. A mutant may name a `base` of its own, and in
 `requires` the modules without which it would fail otherwise. It stands for the same file of the
-exercise as its base.
+exercise as its base. Three mutants of a check are enough; a fourth says `why` it is needed, too.
 
 `python -m grader.authoring.mutants EXERCISE` lists the mutants, `… EXERCISE NAME` prints one, and
 with `--into FOLDER` writes it there with the exercise's other files: to read, to drive or to grade
-(`--force`: in place of what is there).
+(`--force`: in place of what is there). `--check` names each of all exercises that needs a `why`.
 """
 
 from __future__ import annotations
@@ -28,6 +28,8 @@ import ast
 import re
 import signal
 import sys
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -36,12 +38,13 @@ from typing import Annotated, Any
 import msgspec
 
 from grader.authoring.edits import EditError, edited
-from grader.course.exercises import Exercise, find_exercise
+from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.errors import GraderError, InputError
 from sim.toml_input import convert, nearest, parse_toml, read_toml
 
 CATALOGUE = "mutants.toml"
 FIELD = "field_"  # begins the names of field checks
+ENOUGH = 3  # mutants of a check; what else it has says why
 
 Text = Annotated[str, msgspec.Meta(min_length=1)]
 
@@ -54,6 +57,7 @@ class _Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     edit: Text
     base: str = ""
     requires: tuple[str, ...] = ()
+    why: str = ""
 
 
 class _Catalogue(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -74,6 +78,7 @@ class Mutant:
     requires: frozenset[str]  # modules without which it can't be graded
     file: str  # of the exercise, that it stands for
     text: str
+    why: str = ""  # it is needed, where the checks that it names have enough without it
 
 
 @dataclass(frozen=True)
@@ -132,6 +137,17 @@ def find_mutant(exercise: Exercise, name: str) -> Mutant:
         hint = nearest(name, found)
         raise InputError(f"{exercise.slug} has no mutant {name!r}{hint}")
     return found[name]
+
+
+def superfluous(found: Iterable[Mutant]) -> list[Mutant]:
+    """Return the mutants without a `why` that are no check's first, second or third without one."""
+    seen = Counter[str]()
+    more = []
+    for mutant in (each for each in found if not each.why):
+        if all(seen[check] >= ENOUGH for check in mutant.fails):
+            more.append(mutant)
+        seen.update(mutant.fails)
+    return more
 
 
 def submission_of(exercise: Exercise, mutant: Mutant | None) -> dict[str, str]:
@@ -201,7 +217,7 @@ def _render(name: str, entry: _Entry, base: _Base, first: str, where: str) -> Mu
         shown = (error.text or "").strip()
         raise InputError(f"{where}: renders to no Python: {error.msg}: {shown!r}") from None
     checks, modules = frozenset(entry.fails), frozenset(entry.requires)
-    return Mutant(name, mistake, checks, modules, base.file, text)
+    return Mutant(name, mistake, checks, modules, base.file, text, entry.why)
 
 
 @cache
@@ -214,17 +230,22 @@ def _require_syntax(text: str) -> None:
 
 
 def main(arguments: list[str]) -> int:
-    """List the mutants of an exercise, print one, or write one's submission."""
+    """List the mutants of an exercise, print one, write one's submission, or check how many."""
     parser = argparse.ArgumentParser(
         prog="grader.authoring.mutants", description="Wrong programs to read."
     )
-    parser.add_argument("exercise", help="name or number")
+    parser.add_argument("exercise", nargs="?", help="name or number")
     parser.add_argument("name", nargs="?", help="of a mutant; all are listed without")
     parser.add_argument("--into", type=Path, metavar="FOLDER", help="write all files there")
     parser.add_argument("--force", action="store_true", help="overwrite the files that are there")
+    parser.add_argument("--check", action="store_true", help="only whether all are needed")
     options = parser.parse_args(arguments)
+    if options.check == bool(options.exercise):
+        parser.error("expected an exercise, or --check")
     if options.into and not options.name:
         parser.error("--into needs the name of a mutant")
+    if options.check:
+        return _check()
     try:
         exercise = find_exercise(options.exercise)
         if not options.name:
@@ -244,6 +265,18 @@ def main(arguments: list[str]) -> int:
         (options.into / file).write_text(text, "utf-8")
         print(options.into / file)
     return 0
+
+
+def _check() -> int:
+    """Print each mutant of any exercise that is one too many; 1 if there is one."""
+    lines = [
+        f"{exercise.solutions / CATALOGUE}: mutant.{mutant.name}: {ENOUGH} mutants before it name "
+        f"{', '.join(sorted(mutant.fails))}: say `why` it is needed, too, or drop it"
+        for exercise in all_exercises()
+        for mutant in superfluous(mutants(exercise))
+    ]
+    print("".join(f"{line}\n" for line in lines), end="")
+    return 1 if lines else 0
 
 
 if __name__ == "__main__":

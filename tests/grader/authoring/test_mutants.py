@@ -102,6 +102,28 @@ def test_a_mutant_of_the_second_file_says_so() -> None:
     assert files == {**files, "detection_server.py": server.read_text("utf-8")}
 
 
+def test_a_fourth_mutant_of_a_check_says_why(
+    exercise: Exercise, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("grader.authoring.mutants.all_exercises", lambda: [exercise])
+    path = exercise.solutions / "mutants.toml"
+    alone = ENTRY.replace(', "field_lds01"', "")  # the fifth fails another check, too
+    entries = [
+        entry.replace("narrow", f"narrow_{i}").replace("= 45", f"= {i}")
+        for i, entry in enumerate([alone, alone, alone, alone, ENTRY])
+    ]
+    path.write_text(HEAD + "".join(entries), "utf-8")
+    assert main(["--check"]) == 1
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line.startswith(
+        f"{path}: mutant.narrow_3: 3 mutants before it name sees_sides: say `why`"
+    )
+    entries[3] = entries[3].replace("fails", 'why = "Alone notices 60°."\nfails')
+    path.write_text(HEAD + "".join(entries), "utf-8")
+    assert main(["--check"]) == 0
+    assert mutants(exercise)[3].why == "Alone notices 60°."
+
+
 def test_without_a_catalogue_there_is_none(exercise: Exercise) -> None:
     (exercise.solutions / "mutants.toml").unlink()
     assert mutants(exercise) == []
@@ -175,6 +197,7 @@ def test_the_command_writes_a_submission_and_overwrites_nothing(
         (["obstacle_avoidanc"], "did you mean obstacle_avoidance?"),
         (["1", "narow"], "did you mean 'narrow'?"),
         (["1", "--into", "x"], "--into needs the name of a mutant"),
+        ([], "expected an exercise, or --check"),
     ],
 )
 def test_the_command_says_what_is_wrong(
