@@ -12,7 +12,7 @@ SITE ?=
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-field test-long test-all test-deep lint format prove mutate conform wheel attacks site workspace lite assignments notebooks students bench profile skeletons goldens constraints clean
+.PHONY: help setup grade test test-field test-long test-all test-deep lint format prove conform wheel attacks site workspace lite assignments notebooks students bench profile skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -57,9 +57,6 @@ format: $(VENV)/.dev ## let ruff format and fix what it can
 
 prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which check kills which
 	$(BIN)/python -m grader.authoring.proof
-
-mutate: $(VENV)/.dev ## make thousands of mutants by machine, grade them, list the gaps (hours; resumes)
-	$(BIN)/python -m grader.authoring.mutate
 
 # A checkout of ros2/rclpy at the tag of the installed wheels
 RCLPY ?=

@@ -95,8 +95,6 @@ def grade_claim(
     forkserver: Launcher,
     *,
     only: Iterable[str] = (),
-    first_failure: bool = False,
-    suspect: str = "",
     kept: KeptRecordings | None = None,
 ) -> Grading:
     """Grade a solution with the core and the field checks, or only some; see `grade_submission`."""
@@ -108,8 +106,6 @@ def grade_claim(
             file=f"{claim.stem}.py",
             field=True,
             only=only,
-            first_failure=first_failure,
-            suspect=suspect,
             kept=kept,
         )
 

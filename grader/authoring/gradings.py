@@ -25,8 +25,6 @@ def gradings(
     claims: Sequence[Claim],
     workers: int,
     *,
-    first_failure: bool = False,
-    suspects: Sequence[str] = (),
     kept: KeptRecordings | None = None,
 ) -> Iterator[Grading]:
     """Yield the grading of each claim, without its recordings.
@@ -35,30 +33,21 @@ def gradings(
     ----------
     workers
         How many processes grade.
-    first_failure
-        Judge nothing of a claim after the first check that fails.
-    suspects
-        For each claim, the check that is likely to fail, or ""; see `grade_submission`.
     kept
         Recordings of earlier runs.
     """
-    graded = partial(_graded, first_failure=first_failure, kept=kept)
-    suspects = suspects or [""] * len(claims)
+    graded = partial(_graded, kept=kept)
     at_once = PER_PROCESS * workers
     for begin in range(0, len(claims), at_once):
         with ProcessPoolExecutor(
             workers, own_processes(), die_with_parent, (os.getpid(),)
         ) as processes:
-            yield from processes.map(
-                graded, claims[begin : begin + at_once], suspects[begin : begin + at_once]
-            )
+            yield from processes.map(graded, claims[begin : begin + at_once])
 
 
-def _graded(
-    claim: Claim, suspect: str, *, first_failure: bool, kept: KeptRecordings | None
-) -> Grading:
+def _graded(claim: Claim, *, kept: KeptRecordings | None) -> Grading:
     servers = _servers().of(claim.exercise.libraries)
-    grading = grade_claim(claim, servers, first_failure=first_failure, suspect=suspect, kept=kept)
+    grading = grade_claim(claim, servers, kept=kept)
     return replace(grading, recordings=())
 
 

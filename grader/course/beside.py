@@ -21,7 +21,7 @@ NAMED = 6  # files in a sentence
 
 NOT_THEIRS = {"__MACOSX", "__pycache__", "node_modules", "venv", "site-packages"}
 MADE = ("COLCON_IGNORE", "pyvenv.cfg")  # in colcon's build, install and log; in an environment
-CATALOGUES = {"mutants.toml", "equivalents.toml"}  # beside a solution of the course's own
+OURS = {"mutants.toml", "design.md"}  # beside a solution of the course's own
 SETUP = "setup.py"
 MANUALS = (".md", ".rst")  # read by a setup.py beside them, for `long_description`
 READ_BY_NOBODY = (".pdf", ".html", ".ipynb", ".zip", ".tar", ".tgz", ".mcap", ".db3")
@@ -113,7 +113,7 @@ def _listed(top: Path, links: list[str]) -> Iterator[Lying]:
         names = {entry.name for entry in entries}
         if prefix and not names.isdisjoint(MADE):
             continue
-        if names >= CATALOGUES:
+        if names >= OURS:
             entries = [entry for entry in entries if entry.name.endswith(PYTHON)]
         for entry in entries:
             seen += 1

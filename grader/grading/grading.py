@@ -170,10 +170,8 @@ def grade(
     isolation: str = "",
     practice: str = "",
     on_progress: OnProgress = ignore,
-    first_failure: bool = False,
-    suspect: str = "",
 ) -> Grading:
-    """Run the checks of `exercise` on the recordings of `trials`; all, or up to one that fails.
+    """Run the checks of `exercise` on the recordings of `trials`.
 
     Raises
     ------
@@ -191,8 +189,6 @@ def grade(
         field=field,
         only=only,
         on_progress=on_progress,
-        first_failure=first_failure,
-        suspect=suspect,
         exercise=exercise.slug,
         essential=exercise.essential.checks if exercise.essential else (),
         oracle=oracle_of(exercise),
@@ -201,8 +197,6 @@ def grade(
         code = pytest.main(_arguments(exercise), plugins=[plugin])
     if plugin.interrupted:
         raise KeyboardInterrupt
-    if first_failure:
-        trials.give_up()
     if plugin.fault is not None:
         raise plugin.fault
     faults = tuple(trials.faults())
@@ -261,15 +255,11 @@ def grade_submission(
     bags: Path | None = None,
     tier: int = 1,
     on_progress: OnProgress = ignore,
-    first_failure: bool = False,
-    suspect: str = "",
     kept: KeptRecordings | None = None,
 ) -> Grading:
     """Run the student's node and judge it; repeated once if the machine stalled.
 
-    With `first_failure`, nothing is judged after the first check that fails: it only has to be
-    known whether there is one. `suspect` is the core check that is likely to fail: it is judged
-    first, after those that it needs. `kept` has the recordings of earlier runs.
+    `kept` has the recordings of earlier runs.
 
     Raises
     ------
@@ -300,8 +290,6 @@ def grade_submission(
                 isolation=forkserver.isolation,
                 practice=forkserver.practice,
                 on_progress=on_progress,
-                first_failure=first_failure,
-                suspect=suspect,
             )
         repeated = tier == 2 or any(r.live is not None and r.live.stall for r in grading.recordings)
         if repeated or not any(check.outcome == INCONCLUSIVE for check in grading.checks):

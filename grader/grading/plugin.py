@@ -95,8 +95,6 @@ class CheckPlugin:
         field: bool,
         only: Iterable[str] = (),
         on_progress: OnProgress = ignore,
-        first_failure: bool = False,
-        suspect: str = "",
         exercise: str = "",
         essential: Sequence[str] = (),
         oracle: Oracle = lambda recording: (),
@@ -104,8 +102,6 @@ class CheckPlugin:
         self._trials = trials
         self._exercise, self._oracle = exercise, cache(oracle)  # many checks ask about one
         self._essential = essential
-        self._first_failure = first_failure  # of a check: it ends the run, so no trial runs ahead
-        self._suspect = suspect  # the check that is judged first, after those that it needs
         self._field = field
         self._only = tuple(only)
         self._on_progress = on_progress
@@ -200,10 +196,7 @@ class CheckPlugin:
             self.results[check.id] = _result(check, PASS)
         else:
             return
-        outcome = self.results[check.id].outcome
-        if self._first_failure and outcome == FAIL:  # --maxfail=1 counts what can't be judged, too
-            item.session.shouldfail = f"{check.id} failed"
-        done = len(self.results)
+        done, outcome = len(self.results), self.results[check.id].outcome
         self._on_progress(Step(CHECK, done, len(self._checks), check.id, outcome))
 
     def _lived(self, check: Check) -> bool:
@@ -232,8 +225,6 @@ class CheckPlugin:
         self.interrupted = excinfo.type is KeyboardInterrupt
 
     def _prepare(self, *, field: bool) -> None:
-        if self._first_failure:
-            return
         checks = [check for check in self._checks.values() if check.field == field]
         checks = [check for check in checks if not self._lacks[check.id]]
         self._trials.prepare(list(dict.fromkeys(s for check in checks for s in check.scenarios)))
@@ -254,8 +245,6 @@ class CheckPlugin:
                 raise InputError(f"unknown check {wanted!r}; there are: {', '.join(by_id)}")
         in_order = sorted(checks, key=lambda check: check.field)
         wanted_ids = self._only or [c.id for c in in_order if self._field or not c.field]
-        if any(check.id == self._suspect and not check.field for check in checks):
-            wanted_ids = [self._suspect, *wanted_ids]
         chosen: dict[str, Check] = {}
         for check_id in wanted_ids:
             _add_with_needs(check_id, by_id, chosen)

@@ -79,9 +79,6 @@ class Trials:
         """Return a recording; NoRecording if there can be none, TrialFault if making it failed."""
         raise NoRecording(f"no recording of the scenario {scenario}")
 
-    def give_up(self) -> None:
-        """Start none of those announced that have not begun: nobody will ask for them."""
-
     def recordings(self) -> list[Recording]:
         """Return all that were asked for and could be made, in order."""
         return []
@@ -162,14 +159,10 @@ class NodeTrials(Trials):
             self._futures[scenario] = self._pool.submit(self._run, left_out.scenario)
             return self._futures[scenario].result()
 
-    def give_up(self) -> None:
-        """Cancel the trials that have not begun."""
-        for future in self._futures.values():
-            future.cancel()
-
     def recordings(self) -> list[Recording]:
         """Return the recordings made, in order; of a node that hung only those that checks need."""
-        made = [future.result() for future in self._over() if future.exception() is None]
+        over = self._futures.values()
+        made = [future.result() for future in over if future.exception() is None]
         return [recording for recording in made if not self._unasked(recording.name)]
 
     def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
@@ -182,7 +175,7 @@ class NodeTrials(Trials):
 
     def faults(self) -> list[TrialFault]:
         """Return the trials in which the grader failed, in order."""
-        found = (future.exception() for future in self._over())
+        found = (future.exception() for future in self._futures.values())
         return [error for error in found if isinstance(error, TrialFault)]
 
     def notes(self) -> list[str]:
@@ -241,10 +234,6 @@ class NodeTrials(Trials):
     def _slow(self) -> bool:
         """Return whether the trials have used up PATIENCE: no submission holds up a class."""
         return sum(self._took) > PATIENCE
-
-    def _over(self) -> list[Future[Recording]]:
-        """Return what was asked for, when its trial is over."""
-        return [future for future in self._futures.values() if not future.cancelled()]
 
     def _load(self, name: str) -> Scenario | None:
         """Read a scenario and start its trainings; if that fails, so does its trial alone."""

@@ -49,7 +49,6 @@ class FakeTrials:
     def __init__(self, fault: Exception | None = None) -> None:
         self.prepared: list[list[str]] = []
         self.asked: list[str] = []
-        self.given_up = False
         self._fault = fault
 
     def prepare(self, scenarios: Sequence[str]) -> None:
@@ -64,9 +63,6 @@ class FakeTrials:
         if scenario == "none":
             raise NoRecording("no recording of the scenario none")
         return FakeRecording(scenario)  # type: ignore[return-value]
-
-    def give_up(self) -> None:
-        self.given_up = True
 
     def recordings(self) -> list[Recording]:
         return []

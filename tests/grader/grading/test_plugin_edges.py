@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from plugin_kit import CHAIN, FakeTrials, Run, outcomes
+from plugin_kit import CHAIN, Run, outcomes
 
 from grader.errors import GraderError
 from grader.grading.plugin import MAX_MESSAGE
@@ -136,56 +136,3 @@ def test_configurations_nearby_do_not_disturb(run: Run, tmp_path: Path) -> None:
     (tmp_path / "pyproject.toml").write_text("[tool.pytest.ini_options]\naddopts = '-k nothing'\n")
 
     assert outcomes(run(DOES.format("pass")))["does"] == "pass"
-
-
-# --- up to the first failure ---------------------------------------------------------------------
-
-
-def test_nothing_is_judged_after_the_first_failure(run: Run) -> None:
-    trials = FakeTrials()
-    grading = run(CHAIN.format(scenario="a", body="fail('no')"), trials=trials, first_failure=True)
-
-    assert outcomes(grading) == {"first": "fail"}
-    assert (set(trials.asked), trials.given_up) == ({"a"}, True)
-
-
-def test_everything_is_judged_if_nothing_fails_and_no_trial_runs_ahead(run: Run) -> None:
-    trials = FakeTrials()
-    grading = run(CHAIN.format(scenario="a", body="pass"), trials=trials, first_failure=True)
-
-    assert list(outcomes(grading).values()) == ["pass"] * 4
-    assert trials.prepared == []
-
-
-def test_the_suspect_is_judged_first_after_what_it_needs(run: Run) -> None:
-    source = """
-    @check(points=50, scenarios=("a",))
-    def test_wiring(recordings):
-        '''All need it.'''
-    @check(points=25, scenarios=("b",), needs=("wiring",))
-    def test_slow(recordings):
-        '''Takes long.'''
-    @check(points=25, scenarios=("c",), needs=("wiring",))
-    def test_likely(recordings):
-        '''Fails.'''
-        fail("no")
-    """
-    grading = run(source, first_failure=True, suspect="likely")
-    assert outcomes(grading) == {"wiring": "pass", "likely": "fail"}
-    everything = run(source, suspect="no such check")
-    assert list(outcomes(everything)) == ["wiring", "slow", "likely"]
-
-
-def test_what_can_not_be_judged_is_no_failure(run: Run) -> None:
-    source = """
-    @check(points=50, scenarios=("t",), requires=("torch",))
-    def test_deep(recordings):
-        '''Needs a library.'''
-    @check(points=50, scenarios=("a",))
-    def test_plain(recordings):
-        '''Needs nothing.'''
-        fail("no")
-    """
-    grading = run(source, first_failure=True)
-
-    assert outcomes(grading) == {"deep": "unavailable", "plain": "fail"}
