@@ -193,10 +193,19 @@ def test_scores_fall_into_tenths() -> None:
 # --- the whole -----------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def whole(tmp_path: Path) -> tuple[Path, list[Path]]:
+@pytest.fixture(scope="module")
+def everybody() -> tuple[list[StoredResult], ResultOptions]:
     results, options = classes.whole_class()
-    return tmp_path, write_results(results, tmp_path, options).files
+    return results, options
+
+
+@pytest.fixture(scope="module")
+def whole(
+    everybody: tuple[list[StoredResult], ResultOptions], tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Path, list[Path]]:
+    results, options = everybody
+    out = tmp_path_factory.mktemp("whole")
+    return out, write_results(results, out, options).files
 
 
 def test_everything_is_written_below_out(whole: tuple[Path, list[Path]]) -> None:
@@ -210,20 +219,18 @@ def test_everything_is_written_below_out(whole: tuple[Path, list[Path]]) -> None
     assert (out / "feedback" / "ben" / "obstacle_avoidance.html").is_file()
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_the_same_results_make_the_same_bytes(
-    workers: int,
+def test_the_same_results_make_the_same_bytes_in_any_order_and_by_several_processes(
+    everybody: tuple[list[StoredResult], ResultOptions],
     whole: tuple[Path, list[Path]],
-    tmp_path_factory: pytest.TempPathFactory,
+    tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(write, "MANY", 1)
     out, written = whole
-    again = tmp_path_factory.mktemp("again")
-    results, options = classes.whole_class()
-    write_results(results[::-1], again, replace(options, workers=workers))
+    results, options = everybody
+    write_results(results[::-1], tmp_path, replace(options, workers=2))
     for path in written:
-        assert (again / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name
+        assert (tmp_path / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name
 
 
 def test_hostile_text_stays_text_in_every_file(whole: tuple[Path, list[Path]]) -> None:
