@@ -1,5 +1,6 @@
 """nbgrader's pages need no network: no script from elsewhere, and formulas that show themselves."""
 
+import functools
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -44,13 +45,17 @@ def loads(body: str) -> list[str]:
 def render() -> Render:
     """nbgrader's exporters, as the course's configuration sets them up."""
 
-    def render_(notebook: NotebookNode, template: str) -> str:
+    @functools.cache
+    def exporter(template: str) -> HTMLExporter:
         config = Config()
         configure(config)
         config.HTMLExporter.template_name = template
         config.HTMLExporter.extra_template_paths = [str(CSS)]  # as GenerateFeedback does
         config.Exporter.default_preprocessors = []
-        page, _ = HTMLExporter(config=config).from_notebook_node(notebook, dict(PLACE))
+        return HTMLExporter(config=config)
+
+    def render_(notebook: NotebookNode, template: str) -> str:
+        page, _ = exporter(template).from_notebook_node(notebook, dict(PLACE))
         return str(page)
 
     return render_

@@ -21,9 +21,9 @@ LIMIT = 60.0  # [s]
 LEARNING = ("sklearn.ensemble", "onnxruntime")
 LINES = {
     "only rclpy": "import rclpy",
-    "packages": "import concurrent, email, http, importlib, json, logging, unittest, urllib, xml",
-    "messages": "import geometry_msgs, sensor_msgs, std_srvs, rcl_interfaces, action_msgs",
     "a node": """
+        import concurrent, email, http, importlib, json, logging, unittest, urllib, xml
+        import geometry_msgs, sensor_msgs, std_srvs, rcl_interfaces, action_msgs
         import asyncio, os, threading, time, ctypes, uuid, rclpy.action, rclpy.executors
         import concurrent.futures, numpy as np
         from rclpy.node import Node

@@ -133,14 +133,11 @@ def test_the_exit_code(
     assert ("no torch" in result.output) == (code != 2)
 
 
-@pytest.mark.parametrize("libraries", [("sklearn.tree",), ("sklearn.tree", "sklearn.no_such")])
-def test_what_an_exercise_imports_is_tried(
-    libraries: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_an_exercise_imports_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    libraries = ("sklearn.tree", "sklearn.no_such")
     exercise = msgspec.structs.replace(all_exercises()[0], libraries=libraries)
     monkeypatch.setattr("grader.grading.trying.all_exercises", lambda: [exercise])
 
-    said = list(imports_that_fail())
+    (said,) = imports_that_fail()
 
-    assert len(said) == len(libraries) - 1
-    assert all("No module named 'sklearn.no_such'" in sentence for sentence in said)
+    assert "No module named 'sklearn.no_such'" in said
