@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from command_line import ROOT, SHORT, Done, course
+from command_line import ROOT, SHORT, Done, course, course_alone
 
 from grader.authoring.mutants import find_mutant
 from grader.course.exercises import SOLUTIONS, find_exercise
@@ -49,7 +49,7 @@ def test_every_command_has_help_with_examples(command: str) -> None:
 
 
 def test_without_a_command_it_says_what_there_is() -> None:
-    done = course()
+    done = course_alone()
 
     assert (done.code, done.out) == (2, "")
     assert done.err.startswith("Usage:")
@@ -89,7 +89,7 @@ def test_a_report_that_can_not_be_written() -> None:
 def test_a_name_that_is_not_utf8(tmp_path: Path) -> None:
     name = os.fsdecode(os.fsencode(tmp_path) + b"/caf\xe9.py")
     Path(name).write_text("pass")
-    complains(course("drive", name, *SHORT), "caf", "ordinary characters")
+    complains(course_alone("drive", name, *SHORT), "caf", "ordinary characters")
 
 
 def test_without_ros_it_says_how_to_get_it(tmp_path: Path) -> None:
@@ -122,7 +122,7 @@ def test_several_near_scenarios_have_a_line_each() -> None:
 def graded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Done, Path]:
     """The reference of exercise 1, graded once, with everything that can be written."""
     folder = tmp_path_factory.mktemp("graded")
-    done = course(
+    done = course_alone(
         "grade", "1", REFERENCE.parent,
         "--bags", folder / "bags", "--json", folder / "result.json", "--report", folder / "r.html",
     )  # fmt: skip
