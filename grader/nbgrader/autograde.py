@@ -27,6 +27,7 @@ from grader.nbgrader.cells import Wanted, last_definitions, made_files, modules,
 from grader.nbgrader.gradebook import Place, trusted_cells, write_comment, write_mark
 from grader.nbgrader.intake import read_cells
 from grader.nbgrader.judge import Verdict, judge
+from grader.nbgrader.late import look_at_due_date
 from grader.nbgrader.marks import Mark, mark_of
 from grader.nbgrader.restore import ABOUT, Trusted, restored, unreadable
 from grader.nbgrader.table import output_of
@@ -99,6 +100,8 @@ class JudgeNodes(NbGraderPreprocessor):  # type: ignore[misc]
         """Judge the notebook; show the judge's table in its test cells."""
         place = Place.of(resources)
         with Gradebook(place.db_url) as gradebook:
+            due = gradebook.find_assignment(place.assignment).duedate
+            look_at_due_date(place.assignment, due, self.log)
             trusted = trusted_cells(gradebook, place)
             asked = {cell.name: wanted(cell.source) for cell in trusted if cell.is_test}
             wants = [want for want in asked.values() if want]

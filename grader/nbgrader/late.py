@@ -1,18 +1,33 @@
 """Late penalties as nbgrader assigns them: so many per cent of the points for each day begun.
 
 nbgrader's own plugin takes nothing or everything. The due date is the assignment's in the gradebook
-(`nbgrader db assignment add NAME --duedate …`, or formgrader); the time of a submission is the one
-that `nbgrader submit` wrote down.
+(`nbgrader db assignment add NAME --duedate=2027-01-15T18:00:00+01:00`, or formgrader); the time of
+a submission is the one that `nbgrader submit` wrote down.
 """
 
 from __future__ import annotations
 
+import functools
 import math
+from datetime import datetime
+from typing import Any
 
 from nbgrader.plugins import LateSubmissionPlugin
 from traitlets import Float
 
 DAY = 24 * 60 * 60  # [s]
+ODD = (
+    "%s is due at %s UTC, says the gradebook. Nobody sets such seconds: nbgrader takes an offset "
+    "behind a blank, as in “18:00 +0100”, for seconds. If another time was meant: "
+    "nbgrader db assignment add %s --duedate=2027-01-15T18:00:00+01:00"
+)
+
+
+@functools.cache
+def look_at_due_date(assignment: str, due: datetime | None, log: Any) -> None:
+    """Warn, once, of a due date that was hardly meant (nbgrader.utils.parse_utc)."""
+    if due is not None and due.second:
+        log.warning(ODD, assignment, due, assignment)
 
 
 class LatePenalty(LateSubmissionPlugin):  # type: ignore[misc]

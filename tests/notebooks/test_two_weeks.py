@@ -12,7 +12,7 @@ import os
 import shutil
 import subprocess
 import sys
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 
 import pytest
@@ -81,8 +81,9 @@ def as_student(course: Path, who: str, *arguments: str) -> None:
 
 
 def due(course: Path, assignment: str, when: datetime) -> None:
-    said = when.strftime("%Y-%m-%d %H:%M:%S +0000")
-    nbgrader(course, "db", "assignment", "add", assignment, f"--duedate={said}")
+    """Set a due date as README does, in another zone than nbgrader's."""
+    said = when.replace(microsecond=0).astimezone(timezone(timedelta(hours=5, minutes=30)))
+    nbgrader(course, "db", "assignment", "add", assignment, f"--duedate={said.isoformat()}")
 
 
 def hand_in(course: Path, who: str, assignment: str) -> None:
