@@ -6,7 +6,6 @@ there is nobody and nothing that is called so, or no such number, InputError say
 
 from __future__ import annotations
 
-import math
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -15,13 +14,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grader.classroom.amendments import change as changes
-from grader.classroom.amendments.late import moment_of, span_of, times_of
+from grader.classroom.amendments.late import moment_of, times_of, zone_of
 from grader.classroom.amendments.log import Entry, active
 from grader.classroom.amendments.people import nearest
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
 from grader.link.cell import Refused, read_in_cell
 from grader.lms.clean import visible
+from grader.lms.told import number, span, words
 
 if TYPE_CHECKING:
     from grader.classroom.marking import Marking
@@ -50,18 +50,6 @@ class Named:
 
     def whom(self, class_: Marking, task: Task | None = None) -> changes.Whom:
         return class_.whom(self.students, self.section, everybody=self.everybody, task=task)
-
-
-def number(text: object, most: float = math.inf) -> float:
-    """Return a finite number from 0 to `most`, as a person types it."""
-    try:
-        found = float(str(text))
-    except ValueError:
-        found = math.nan
-    if math.isfinite(found) and 0 <= found <= most:
-        return found
-    limits = "at least 0" if most == math.inf else f"from 0 to {most:g}"
-    raise InputError(f"{text!r}: expected a number {limits}, such as 8.5")
 
 
 # --- points --------------------------------------------------------------------------------------
@@ -106,8 +94,9 @@ def late(
     known = {} if times is None else times_of(times, zone, class_.students, class_.rows)
     if times is not None and not deadline:
         raise InputError("--times needs --deadline: late is what comes after it")
+    zone_of(zone)  # it is one, also where it does not matter yet
     since = moment_of(deadline, zone) if deadline else ""
-    return changes.Late(task.slug, per_day, since, span_of(grace), cap, zone, known, whom)
+    return changes.Late(task.slug, per_day, since, span(grace), cap, zone, known, whom)
 
 
 def publish(class_: Marking, named: Named, exercises: Sequence[str]) -> changes.Publish:
@@ -119,7 +108,7 @@ def publish(class_: Marking, named: Named, exercises: Sequence[str]) -> changes.
 
 
 def comment(
-    class_: Marking, student: str, exercise: str, file: str, line: float, words: str
+    class_: Marking, student: str, exercise: str, file: str, line: int, text: str
 ) -> changes.Comment:
     """Return words on a line of a student's file."""
     task, who = class_.exercise(exercise), class_.student(student)
@@ -127,11 +116,10 @@ def comment(
     if file not in texts:
         raise nearest(file, texts, f"file of {who} in {task.slug}")
     last = len(lines_of(texts[file]))
-    if line != int(line) or not 1 <= line <= last:
-        raise InputError(f"line {line:g}: {file} of {who} has lines 1 to {last}")
-    return changes.Comment(
-        task.slug, file, int(line), _words(words), Named([who]).whom(class_, task)
-    )
+    if line > last:
+        raise InputError(f"line {line}: {file} of {who} has lines 1 to {last}")
+    whom = Named([who]).whom(class_, task)
+    return changes.Comment(task.slug, file, line, words(text, MAX_WORDS), whom)
 
 
 def style(
@@ -163,7 +151,7 @@ def rubric_of(out: Path) -> dict[str, float]:
         found = {str(name): number(most) for name, most in points.items()}
     except FileNotFoundError:
         return {}
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, KeyError, AttributeError) as error:
+    except (ValueError, KeyError, AttributeError) as error:  # of TOML, UTF-8, a long number, too
         raise InputError(
             f'{out / RUBRIC}: expected a table [points] with lines like "Names" = 4 ({error})'
         ) from None
@@ -185,7 +173,7 @@ def request(class_: Marking, text: str) -> changes.Request:
         class_.check(task, check, changes.Whom())
     moment = number(said["moment"].removesuffix("s")) if said.get("moment") else None
     whom = Named([who]).whom(class_, task)
-    change = changes.Request(task.slug, check, moment, _words(said[LAST]), whom)
+    change = changes.Request(task.slug, check, moment, words(said[LAST], MAX_WORDS), whom)
     for entry in active(class_.entries):
         if entry.change == change:
             raise InputError(f"entry {entry.number} of the log is this request already")
@@ -220,12 +208,13 @@ def text_of(file: Path) -> str:
     return read_regular_file(file, MOST).decode("utf-8-sig", "replace")
 
 
-def answer(class_: Marking, number_: float, words: str) -> changes.Answer:
+def answer(class_: Marking, number_: int, text: str) -> changes.Answer:
     """Return the answer to a request, by its number in the log."""
     for entry, asked, _ in requests(class_.entries):
         if entry.number == number_:
-            return changes.Answer(entry.number, asked.exercise, _words(words), asked.whom)
-    raise InputError(f"entry {number_:g} of the log is no request that counts")
+            said = words(text, MAX_WORDS)
+            return changes.Answer(entry.number, asked.exercise, said, asked.whom)
+    raise InputError(f"entry {number_} of the log is no request that counts")
 
 
 def requests(entries: Sequence[Entry]) -> list[tuple[Entry, changes.Request, list[Entry]]]:
@@ -243,10 +232,3 @@ def requests(entries: Sequence[Entry]) -> list[tuple[Entry, changes.Request, lis
 def lines_of(text: bytes) -> list[str]:
     """Return the lines of what a student handed in, as Python counts them."""
     return re.split(r"\r\n|\r|\n", text.decode("utf-8", "replace").rstrip())
-
-
-def _words(text: str) -> str:
-    words = " ".join(visible(text).split())
-    if not 0 < len(words) <= MAX_WORDS:
-        raise InputError(f"expected words, at most {MAX_WORDS} characters of them")
-    return words

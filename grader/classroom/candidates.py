@@ -22,9 +22,11 @@ from grader.course.students import Seed, student_key
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
 from grader.lms.book import Handed, StudentRow
+from grader.lms.clean import one_line
 from grader.lms.moodle import times
 from grader.lms.people import NO_PERSON
 from grader.lms.platform import Entry
+from grader.lms.told import EXPECTED, moment
 
 MOST_SHOWN = 20  # files of a student's for a person to read
 LONGEST_SHOWN = 100_000  # [bytes] of each
@@ -41,6 +43,7 @@ CONTRARY = (
 SUSPECT = "may be an exercise that is missing; no exercise has a file of this name"
 SKELETON = "still as it was handed out, so it was not handed in"
 ACCEPTED = "accepted by a person"
+NO_TIME = "{!r}, when it was handed in, is no time, and counts as none; {}"
 ANOTHER = (
     "Moodle's number is {}, and that of the earlier work is {}: a second student of this name? If "
     "it is the same one: course marks assign FOLDER {!r} {!r}; if not, give the grading worksheet "
@@ -155,12 +158,13 @@ def find_class(
                 leader=leader,
                 unknown=() if each.files else tuple(student.files),
             )
+    odd: list[Line] = []  # times
+    students = tuple(
+        _row(student, [(slug, found[student.id][slug].entry) for slug in exercises], options, known,
+             odd) for student in intake.students
+    )  # fmt: skip
     account = _account(intake, found, exercises, options)
-    students = (
-        _row(student, [(slug, found[student.id][slug].entry) for slug in exercises], options, known)
-        for student in intake.students
-    )
-    return Class(candidates, account, tuple(students))
+    return Class(candidates, Account((*account.lines, *odd)), students)
 
 
 def _leaders(found: Mapping[str, Mapping[str, Found]]) -> dict[Key, str]:
@@ -284,18 +288,19 @@ def _fates(
 
 
 def _row(
-    student: Student, entries: Iterable[tuple[str, Entry | None]], options: Options, known: Known
-) -> StudentRow:
+    student: Student, entries: Iterable[tuple[str, Entry | None]], options: Options, known: Known,
+    odd: list[Line],
+) -> StudentRow:  # fmt: skip
     handed = {}
     for slug, entry in entries:
         if entry is not None:
             who, own = entry.who, entry.path.name if entry.who.system == "github" else ""
             told, more = times(options.roster, student.person, own or who.id)
+            time, more = (_time(each, student, slug, odd) for each in (entry.time or told, more))
             upload = entry.version if who.system == "canvas" else 0
             handed[slug] = Handed(
-                who.system, who.name, who.id, who.email, entry.late, entry.time or told, more,
-                upload,
-            )  # fmt: skip
+                who.system, who.name, who.id, who.email, entry.late, time, more, upload
+            )
     seen = {
         each.word
         for _, each in student.entries
@@ -303,3 +308,12 @@ def _row(
     }
     person, unsure = student.person or NO_PERSON, bool(student.whose)
     return StudentRow(student.id, person, handed, tuple(sorted(seen)), unsure)
+
+
+def _time(told: str, student: Student, slug: str, odd: list[Line]) -> str:
+    """Return a time as a platform tells it; "" if it is none, and then a line says whose."""
+    if not told or moment(told):
+        return told
+    reason = NO_TIME.format(one_line(told, 60), EXPECTED)
+    odd.append(Line(Fate.UNKNOWN, student=student.id, exercise=slug, reason=reason, fault=True))
+    return ""

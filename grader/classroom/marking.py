@@ -9,7 +9,7 @@ import contextlib
 import hashlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -193,22 +193,24 @@ class Marking:
 
     def add(self, change: Change, who: str, why: str) -> Marked:
         """Log a change, and write all results as they count now."""
-        entries = self.entries
-        _check_undo(change, entries)
-        before, known = self._amended(entries)
+        before, done = self._comes_to(change)  # what can't be counted with is not logged
         entry = self.store.log(change, who, why)
-        after, missing = self._written(before)
-        remarks = [each for each in self._amended(self.entries)[1] if each not in known]
-        return Marked(entry, *_shifts(before, after), remarks, missing)
+        return replace(done, entry=entry, missing=self._written(before)[1])
 
     def preview(self, change: Change) -> Marked:
         """Return what a change would come to; nothing is written."""
-        entries = self.entries
-        _check_undo(change, entries)
+        return self._comes_to(change)[1]
+
+    def _comes_to(self, change: Change) -> tuple[list[StoredResult], Marked]:
+        undoing = change.number if isinstance(change, Undo) else 0
+        entries = self.store.entries(undoing)  # one that can't be read may be undone
+        if undoing:
+            _check_undo(undoing, entries)
         before, known = self._amended(entries)
         number = max((entry.number for entry in entries), default=0) + 1
         after, remarks = self._amended([*entries, Entry(number, "", "", change, "")])
-        return Marked(None, *_shifts(before, after), [r for r in remarks if r not in known], [])
+        new = [remark for remark in remarks if remark not in known]
+        return before, Marked(None, *_shifts(before, after), new, [])
 
     def assigned(self, word: str, people: Sequence[str]) -> Assign:
         """Return the change by which an entry of a download is these students'."""
@@ -271,17 +273,15 @@ def _shown(result: StoredResult) -> str:
     return state_of(result) if points is None else f"{points:g}"
 
 
-def _check_undo(change: Change, entries: Sequence[Entry]) -> None:
-    if not isinstance(change, Undo):
-        return
+def _check_undo(number: int, entries: Sequence[Entry]) -> None:
     numbers = [entry.number for entry in entries]
-    if change.number not in numbers:
+    if number not in numbers:
         there = f"1 to {numbers[-1]}" if numbers else "none yet"
-        raise InputError(f"the log has no entry {change.number}; there are: {there}")
+        raise InputError(f"the log has no entry {number}; there are: {there}")
     for entry in undone_by(entries):
-        if entry[0] == change.number:
+        if entry[0] == number:
             raise InputError(
-                f"entry {change.number} is undone already, by entry {entry[1]}; to bring it back, "
+                f"entry {number} is undone already, by entry {entry[1]}; to bring it back, "
                 f"undo {entry[1]}"
             )
 

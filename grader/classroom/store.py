@@ -18,11 +18,12 @@ from typing import Any
 
 import msgspec
 
-from grader.classroom.amendments.change import Change
-from grader.classroom.amendments.log import Entry
+from grader.classroom.amendments.change import Change, Unread
+from grader.classroom.amendments.log import Entry, active
 from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, WAITING, StoredResult
 from grader.errors import InputError, is_disk_full
 from grader.lms.book import StudentRow
+from grader.lms.told import words
 
 SCHEMA = 5
 TABLES = """
@@ -48,13 +49,18 @@ CREATE TABLE IF NOT EXISTS amendments (
     what TEXT NOT NULL, why TEXT NOT NULL
 ) STRICT;
 """
-MOST_WHY = 2000  # [characters] of a reason
+MOST_WHY, MOST_NAME = 2000, 200  # [characters] of a reason, and of whose it is
+UNREAD = (
+    "entry {0} of the log of marks can't be read ({1}). Take it out of what counts, "
+    '`course marks undo FOLDER {0} --why "can\'t be read"`, and then make that change anew'
+)
 
 SHARED = (
     "file_names", "state", "verified", "grading", "recordings", "wall_s", "finished", "problem",
 )  # fmt: skip
 NOTES, STUDENTS = "notes", "students"  # what is kept
 Key = tuple[str, str]  # student, exercise
+_CHANGES = msgspec.json.Decoder[Change](Change)
 
 
 @dataclass(frozen=True)
@@ -306,14 +312,18 @@ class Store:
     def log(self, change: Change, who: str, why: str) -> Entry:
         """Add an entry to the log of marks; it is on disk when this returns.
 
-        Raises InputError: there is no reason, or it is too long.
+        Raises InputError: it could not be read back; or there is no reason, or it is too long.
         """
-        why, who = " ".join(storable(why).split()), " ".join(storable(who).split())
-        if not why or len(why) > MOST_WHY:
+        why = words(why, MOST_WHY, "the reason (--why TEXT), which stays in the log")
+        who, at = words(who, MOST_NAME, "who changes it (--by NAME)"), _now()
+        try:
+            text = msgspec.json.encode(change).decode()
+        except UnicodeError:
             raise InputError(
-                f"--why: expected the reason, at most {MOST_WHY} characters; it stays in the log"
-            )
-        text, at = storable(msgspec.json.encode(change).decode()), _now()
+                "expected names in UTF-8; rename the file, and take it in again"
+            ) from None
+        if _change_in(text) != change:
+            raise InputError(f"expected finite numbers, not {text[:400]}")
         with self._change():
             number = self._db.execute(
                 "INSERT INTO amendments (at, who, what, why) VALUES (?, ?, ?, ?)",
@@ -321,17 +331,18 @@ class Store:
             ).lastrowid
         return Entry(number or 0, at, who, change, why)
 
-    def entries(self) -> list[Entry]:
+    def entries(self, undoing: int = 0) -> list[Entry]:
         """Return the log of marks, the oldest entry first; nothing removes or changes one.
 
-        Raises InputError: one can't be read.
+        Raises InputError: one that counts can't be read, and `undoing` is not about such a one.
         """
         rows = self._db.execute("SELECT number, at, who, what, why FROM amendments ORDER BY number")
-        decoder = msgspec.json.Decoder[Change](Change)
-        try:
-            return [Entry(n, at, who, decoder.decode(what), why) for n, at, who, what, why in rows]
-        except msgspec.MsgspecError as error:
-            raise InputError(f"the log of marks can't be read ({error})") from None
+        found = [Entry(n, at, who, _change_in(what), why) for n, at, who, what, why in rows]
+        unread = {each.number: each.change.problem for each in active(found)
+                  if isinstance(each.change, Unread)}  # fmt: skip
+        if unread and undoing not in unread:
+            raise InputError(UNREAD.format(*next(iter(unread.items()))))
+        return found
 
     def stamp(self) -> str:
         """Return what tells the stored results from later ones, without reading them."""
@@ -373,6 +384,14 @@ class Store:
             if self._db.in_transaction:  # SQLite itself rolls back when the disk is full
                 self._db.execute("ROLLBACK")
             raise
+
+
+def _change_in(text: str) -> Change:
+    try:
+        change: Change = _CHANGES.decode(text)
+        return change
+    except msgspec.MsgspecError as error:
+        return Unread(str(error))
 
 
 def _now() -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import getpass
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -44,21 +43,21 @@ exercise = click.option("--exercise", default="", help="Its name or number; if t
 
 
 class _Number(click.ParamType[float]):
-    """A finite number, as it is typed on the command line."""
+    """A number, as it is typed on the command line."""
 
     name = "number"
 
-    def __init__(self, most: float = math.inf) -> None:
-        self._most = most
+    def __init__(self, *most: float, whole: bool = False) -> None:
+        self._most, self._whole = most, whole
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
         """Return the number."""
-        from grader.classroom.asked import number  # noqa: PLC0415
+        from grader.lms.told import number, whole  # noqa: PLC0415
 
         try:
-            return number(value, self._most)
+            return whole(value) if self._whole else number(value, *self._most)
         except InputError as error:
             return self.fail(str(error), param, ctx)
 
@@ -237,7 +236,7 @@ def publish(
 
 @marks.command()
 @folder
-@click.argument("entry", type=click.IntRange(1))
+@click.argument("entry", type=_Number(whole=True))
 @preview
 @_reason
 def undo(folder: Path, entry: int, preview: bool, why: str, by: str) -> int:
@@ -292,7 +291,7 @@ def accept(folder: Path, student: str, file: str, exercise: str, why: str, by: s
 @folder
 @click.argument("student")
 @click.argument("file")
-@click.argument("line", type=click.IntRange(1))
+@click.argument("line", type=_Number(whole=True))
 @click.argument("words")
 @exercise
 @by_option
@@ -318,13 +317,14 @@ def style(folder: Path, student: str, points: tuple[str, ...], exercise: str, by
     """Give points for style by FOLDER/rubric.toml; they stand beside those of the checks."""
     from grader.classroom import asked  # noqa: PLC0415
     from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.lms.told import number  # noqa: PLC0415
 
     given = {}
     for told in points:
         name, sign, value = told.rpartition("=")
         if not sign:
             raise InputError(f"{told!r}: expected CRITERION=POINTS, such as Names=3")
-        given[name] = asked.number(value)
+        given[name] = number(value)
     with marking(folder) as class_:
         change = asked.style(class_, student, exercise, given)
         return _changed(class_, change, by, asked.READ, preview=False)
@@ -346,7 +346,7 @@ def request(folder: Path, file: Path, by: str) -> int:
 
 @marks.command()
 @folder
-@click.argument("number", type=click.IntRange(1))
+@click.argument("number", type=_Number(whole=True))
 @click.argument("words")
 @by_option
 def answer(folder: Path, number: int, words: str, by: str) -> int:

@@ -8,8 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from grader.errors import InputError
 from grader.lms.clean import one_line
 from grader.lms.people import NO_PERSON, NOBODY, Person, Roster, Sheet, folded
+from grader.lms.told import number
 
 MOST_NAMED = 10  # students in a remark
 LOGIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]*")  # a name that a platform may give a user
@@ -179,6 +181,6 @@ def scaled(points: float, task: Task, most: str) -> float:
 def number_in(cell: str) -> float:
     """Return the number in a sheet's cell, in any language; NaN if there is none."""
     try:
-        return float(cell.replace(",", "."))
-    except ValueError:
+        return number(cell.replace(",", "."))
+    except InputError:
         return math.nan

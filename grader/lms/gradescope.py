@@ -21,7 +21,8 @@ from grader.errors import InputError
 from grader.link.cell import CLASS, Refused, read_in_cell
 from grader.lms.book import Mark, Task
 from grader.lms.clean import one_line, visible
-from grader.lms.platform import Entry, Platform, Read, SetAside, Who, microseconds
+from grader.lms.platform import Entry, Platform, Read, SetAside, Who
+from grader.lms.told import LONGEST, microseconds
 from grader.report.facts import UNJUDGED
 
 METADATA = "submission_metadata.yml"
@@ -106,7 +107,7 @@ def _submission(about: object) -> _Submission:
         if isinstance(one, Mapping)
     ]
     moment = re.sub(r"\s+(?=(?:Z|[+-]\d\d:?\d\d)$)", "", _text(time))
-    return _Submission([one for one in each if any(one)], moment if microseconds(moment) else "")
+    return _Submission([one for one in each if any(one)], moment[: LONGEST + 1])
 
 
 def _text(value: object) -> str:

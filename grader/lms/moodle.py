@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from datetime import datetime
 from pathlib import Path
 from typing import BinaryIO
 
@@ -29,24 +28,11 @@ from grader.lms.names import student_id
 from grader.lms.people import Person, Roster, Sheet, trailing
 from grader.lms.platform import Entry, Files, Platform, Read, Who
 from grader.lms.tables import Cell, Verbatim, csv_text, pack
+from grader.lms.told import IN_WORDS
 
 _WHO = r"(?P<name>[^_]+)(?:_(?P<id>\d+))?_assignsubmission_(?P<plugin>file|onlinetext)"
 FOLDER = re.compile(rf"{_WHO}_?")
 FLAT = re.compile(rf"{_WHO}_(?P<file>.+)", re.DOTALL)
-
-# `strftimedaydatetime` in the language packs: "Monday, 4 May 2026, 9:12 AM",
-# "Montag, 4. Mai 2026, 09:12", "lundi 4 mai 2026, 09:12", "lunes, 4 de mayo de 2026, 09:12"
-MOMENT = re.compile(
-    r"(?:[^\W\d]+,? )?(\d{1,2})\.? (?:de )?([^\W\d]+)\.? (?:de )?(\d{4}),? "
-    r"(\d{1,2}):(\d\d)(?: ([AP]M))?",
-    re.IGNORECASE,
-)
-MONTHS = (
-    "january february march april may june july august september october november december",
-    "januar februar märz april mai juni juli august september oktober november dezember",
-    "janvier février mars avril mai juin juillet août septembre octobre novembre décembre",
-    "enero febrero marzo abril mayo junio julio agosto septiembre octubre noviembre diciembre",
-)
 
 DOWNLOADED = "Last downloaded from this course"
 # What identifies somebody in other languages, by lang/*/moodle.php of the language packs
@@ -142,34 +128,18 @@ def _is_maximum(rows: Sequence[Sequence[str]], column: int) -> bool:
 def _are_names(rows: Sequence[Sequence[str]]) -> bool:
     """Return whether the second column is names; of anonymous submissions it is their status."""
     cells = [row[1].strip() for row in rows]
-    return len(set(cells)) > len(cells) / 2 and not any(map(MOMENT.search, cells))
+    return len(set(cells)) > len(cells) / 2 and not any(map(IN_WORDS.search, cells))
 
 
 def _are_times(rows: Sequence[Sequence[str]], column: int) -> bool:
     cells = {row[column].strip() for row in rows} - {"-"}
-    return not cells or ("" not in cells and all(map(MOMENT.search, cells)))
+    return not cells or ("" not in cells and all(map(IN_WORDS.search, cells)))
 
 
 def _is_stamped(header: Sequence[str], rows: Sequence[Sequence[str]]) -> bool:
     """Return whether this is a gradebook's export, which ends with when it was made."""
     ends = {row[-1].strip() for row in rows}
     return len(ends) == 1 and ends.pop().isdecimal() and "email address" in header
-
-
-def moment(text: str) -> datetime | None:
-    """Return the time that Moodle has written in English, German, French or Spanish."""
-    match = MOMENT.fullmatch(text.strip())
-    word = match[2].casefold() if match else ""
-    month = next((names.split().index(word) for names in MONTHS if word in names.split()), None)
-    if match is None or month is None:
-        return None
-    day, year, hour, minute = (int(match[i]) for i in (1, 3, 4, 5))
-    if match[6]:
-        hour = hour % 12 + 12 * (match[6].upper() == "PM")
-    try:
-        return datetime(year, month + 1, day, hour, minute)
-    except ValueError:
-        return None
 
 
 def times(roster: Roster, person: Person | None, own: str) -> tuple[str, str]:
@@ -185,7 +155,7 @@ def times(roster: Roster, person: Person | None, own: str) -> tuple[str, str]:
             if sheet.kind == KIND and own == trailing(sheet.cell(row, IDENTIFIER)):
                 told = sheet.cell(row, SUBMITTED)
                 before = " ".join(row[: sheet.small.index(GRADE)])  # its status among them
-                more = MOMENT.search(before)
+                more = IN_WORDS.search(before)
                 return ("" if told == "-" else told), (more[0] if more else "")
             if own.casefold() == sheet.cell(row, "student_repository_name").casefold() != "":
                 return sheet.cell(row, "submission_timestamp"), ""

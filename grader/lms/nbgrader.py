@@ -20,7 +20,8 @@ from grader.course.submission import read_regular_file
 from grader.lms.book import Book, Mark, Task
 from grader.lms.folders import LITTER
 from grader.lms.names import may_enter
-from grader.lms.platform import Entry, Platform, Read, SetAside, Who, microseconds
+from grader.lms.platform import Entry, Platform, Read, SetAside, Who
+from grader.lms.told import LONGEST, microseconds
 
 _TIME = r"(?P<time>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: \w+)?)"
 ATTEMPT = re.compile(rf"(?P<user>.+)\+(?P<assignment>[^+]+)\+{_TIME}(?:\+[\w-]+)?", re.DOTALL)
@@ -84,8 +85,7 @@ def _attempt(path: Path, found: Read) -> None:
     if owner := _stranger(path, match["user"]):
         found.set_aside.append(SetAside(path.name, STRANGER.format(owner, match["user"])))
         return
-    time = match["time"] if _microseconds(match["time"]) else ""
-    who = Who(match["user"], "nbgrader", match["user"])
+    who, time = Who(match["user"], "nbgrader", match["user"]), match["time"]
     found.entries.append(Entry(path, who, version=_microseconds(time), time=time))
 
 
@@ -122,10 +122,9 @@ def _collected(student: Path) -> Iterator[Entry]:
 
 def _stamp(file: Path) -> str:
     try:
-        time = read_regular_file(file, 100).decode("utf-8", "replace").strip()
+        return read_regular_file(file, LONGEST).decode("utf-8", "replace").strip()
     except OSError:
         return ""
-    return time if _microseconds(time) else ""
 
 
 def _microseconds(time: str) -> int:

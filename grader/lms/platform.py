@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import BinaryIO
 
@@ -19,15 +18,6 @@ class Who:
     system: str  # the platform that read it: "canvas", "moodle", …
     id: str = ""  # the system's own id, unique in one download
     email: str = ""
-
-
-def microseconds(time: str) -> int:
-    """Return a time in ISO 8601, UTC if it names no offset, as a number; 0 if it is none."""
-    try:
-        moment = datetime.fromisoformat(time)
-    except ValueError:
-        return 0
-    return int(moment.replace(tzinfo=moment.tzinfo or UTC).timestamp() * 1e6)
 
 
 def word_of(system: str, id_: str) -> str:

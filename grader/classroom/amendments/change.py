@@ -149,7 +149,20 @@ class Undo(_Change, frozen=True, tag="undo"):
 
     number: int
 
+    def __str__(self) -> str:
+        return f"entry {self.number} is undone"
+
+
+class Unread(_Change, frozen=True, tag="unread"):
+    """What the log has there can't be read; nothing writes one."""
+
+    problem: str
+    whom: Whom = Whom()
+
+    def __str__(self) -> str:
+        return f"can't be read: {self.problem}"
+
 
 Words = Comment | Style | Answer  # what a student reads beside the points
 Shown = SetCheck | Waive | Late | Score | Words  # that may change what a student reads
-Change = Shown | Publish | Assign | Accept | Request | Undo
+Change = Shown | Publish | Assign | Accept | Request | Undo | Unread

@@ -61,8 +61,8 @@ def described(change: changes.Change) -> str:
             words = f"{change.exercise}{about}: asks to look again: {change.words}"
         case changes.Answer():
             words = f"{change.exercise}: answer to request {change.request}: {change.words}"
-        case changes.Undo():
-            return f"entry {change.number} is undone"
+        case changes.Undo() | changes.Unread():
+            return str(change)
     return f"{words} ({change.whom})"
 
 

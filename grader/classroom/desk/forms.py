@@ -14,6 +14,7 @@ from grader.classroom.amendments.change import Change, Undo
 from grader.classroom.marking import Marking
 from grader.errors import InputError
 from grader.lms.sheets import decoded
+from grader.lms.told import number, whole
 
 # What is written at once, since nobody's points depend on it; all else is shown first.
 AT_ONCE = ("comment", "style", "answer", "request", "write")
@@ -66,7 +67,6 @@ def change_of(class_: Marking, form: Form) -> Change:
         form["section"] if who == "section" else "",
         who == "all",
     )
-    number = asked.number
     match form["kind"]:
         case "set":
             points = number(form["points"])
@@ -87,7 +87,7 @@ def change_of(class_: Marking, form: Form) -> Change:
         case "publish":
             return asked.publish(class_, named, form.every("exercise"))
         case "undo":
-            return Undo(int(number(form["entry"])))
+            return Undo(whole(form["entry"]))
         case "assign":
             return class_.assigned(_line(class_, form).student or _line(class_, form).entry,
                                    form.every("person"))  # fmt: skip
@@ -95,8 +95,8 @@ def change_of(class_: Marking, form: Form) -> Change:
             line = _line(class_, form)
             return class_.accepted(line.student, line.file, class_.any_exercise(exercise))
         case "comment":
-            file, line, words = form["file"], number(form["line"]), form["words"]
-            return asked.comment(class_, student, exercise, file, line, words)
+            file, place, words = form["file"], whole(form["line"]), form["words"]
+            return asked.comment(class_, student, exercise, file, place, words)
         case "style":
             given = zip(form.every("criterion"), form.every("points"), strict=False)
             points_by = {name: number(points) for name, points in given}
@@ -104,7 +104,7 @@ def change_of(class_: Marking, form: Form) -> Change:
         case "request":
             return asked.request(class_, "\n".join(form.fields.get("text", ())))
         case "answer":
-            return asked.answer(class_, number(form["request"]), form["words"])
+            return asked.answer(class_, whole(form["request"]), form["words"])
     raise InputError(f"unknown form {form['kind']!r}")
 
 
@@ -119,7 +119,7 @@ def _as_file(text: str) -> Iterator[Path | None]:
 def _line(class_: Marking, form: Form) -> Any:
     """Return the line of the account that a form is about; its text may be no text of a form's."""
     lines = class_.options.account.lines
-    place = int(asked.number(form["line"] or "x"))
+    place = whole(form["line"], 0)
     if place >= len(lines):
         raise InputError("the downloads were taken in again since; open the page again")
     return lines[place]

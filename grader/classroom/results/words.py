@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from datetime import UTC, datetime
+from datetime import UTC
 
+from grader.lms import told
 from grader.lms.book import Task
 from grader.lms.clean import one_line
 
@@ -13,11 +14,8 @@ NOTHING = "\N{EN DASH}"
 
 def moment(stamp: str) -> str:
     """Return an ISO 8601 time as "2026-05-04 09:12 UTC"; anything else is returned as it is."""
-    try:
-        moment = datetime.fromisoformat(stamp).astimezone(UTC)
-    except ValueError:
-        return one_line(stamp)
-    return f"{moment:%Y-%m-%d %H:%M} UTC"
+    found = told.moment(stamp)
+    return f"{found.astimezone(UTC):%Y-%m-%d %H:%M} UTC" if found else one_line(stamp)
 
 
 def points(value: float | None) -> str:

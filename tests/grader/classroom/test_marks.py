@@ -17,7 +17,7 @@ from marked_class import ANN, CHECKS, WHY, judged, payload, points, scores
 
 from grader.classroom.amendments.apply import amended
 from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, Undo, Waive, Whom
-from grader.classroom.amendments.late import lateness, moment_of, span_of, times_of
+from grader.classroom.amendments.late import lateness, moment_of, times_of
 from grader.classroom.amendments.log import Entry
 from grader.classroom.amendments.people import the_student
 from grader.classroom.folder import UNWRITTEN
@@ -30,6 +30,7 @@ from grader.errors import DiskFull, GraderError, InputError
 from grader.lms.book import Handed, StudentRow
 from grader.lms.people import Person
 from grader.lms.sheets import read_roster
+from grader.lms.told import span
 
 # --- what changes come to --------------------------------------------------------------------
 
@@ -244,7 +245,7 @@ def test_days_grace_and_cap(time: str, points_: str, tmp_path: Path) -> None:
     file.write_text(f'id,time\nann,"{time}"\nbob,-\n')
     times = times_of(file, "Europe/Berlin", ["ann", "bob"], {})
     deadline = moment_of("2026-05-04 23:59", "Europe/Berlin")
-    rule = Late(SLUG, 10, deadline, span_of("15min"), 40, "Europe/Berlin", times)
+    rule = Late(SLUG, 10, deadline, span("15min"), 40, "Europe/Berlin", times)
     entries = [Entry(1, "", "", rule, "")]
     results = [result(name, *CHECKS) for name in ("ann", "bob")]
     (ann, bob), _ = amended(results, entries, {})
@@ -324,10 +325,10 @@ def test_times_that_are_none(tmp_path: Path, graded: Path) -> None:
                 times_of(file, "UTC", class_.students, class_.rows)
     with pytest.raises(InputError, match="expected a time zone"):
         moment_of("2026-05-04", "Mars")
-    with pytest.raises(InputError, match="expected a time such as"):
+    with pytest.raises(InputError, match="expected a time of the years"):
         moment_of("tomorrow", "UTC")
     with pytest.raises(InputError, match="expected a time span"):
-        span_of("a while")
+        span("a while")
 
 
 def test_pages_stay_published_while_they_are_written_and_a_kill_is_told(
