@@ -259,6 +259,25 @@ def may_have_work(end: Any) -> bool:
     return end.__dict__.get("_course_seen", -1) < sent[name] or bool(UNCOUNTED.search(name))
 
 
+def count_sent() -> None:
+    """Count what is sent: nobody who asks `may_have_work` hears anything without it."""
+    for cls, name in (
+        (rclpy.publisher.Publisher, "publish"),
+        (rclpy.client.Client, "call_async"),
+        (rclpy.service.Service, "send_response"),
+    ):
+        setattr(cls, name, _counting(getattr(cls, name)))
+
+
+def _counting(send: Any) -> Any:
+    @functools.wraps(send)
+    def count_and_send(end: Any, *args: Any, **kwargs: Any) -> Any:
+        sent[_key(end)] += 1
+        return send(end, *args, **kwargs)
+
+    return count_and_send
+
+
 def has_no_work(end: Any) -> None:
     """Note that nothing waits for an end; what is latched may come late."""
     if not _latched(end):
@@ -302,13 +321,10 @@ def install(discovery: Discovery, unheard: Callable[[Any], list[Missed]]) -> Non
     """Put it under publishers and clients; `unheard` holds what the robot misses, by context."""
     publisher: Any = rclpy.publisher.Publisher
     client: Any = rclpy.client.Client
-    service: Any = rclpy.service.Service
     publish, is_ready, call_async = publisher.publish, client.service_is_ready, client.call_async
-    send_response = service.send_response
     lost = itertools.count(1)
 
     def virtual_publish(self: Any, msg: Any) -> None:
-        sent[_key(self)] += 1
         if discovery.calm or "_course_party" not in self.__dict__:
             publish(self, msg)
         else:
@@ -321,7 +337,6 @@ def install(discovery: Discovery, unheard: Callable[[Any], list[Missed]]) -> Non
     @functools.wraps(call_async)
     def virtual_call_async(self: Any, request: Any) -> Any:
         if discovery.finds_server(self) or not isinstance(request, self.srv_type.Request):
-            sent[_key(self)] += 1
             return call_async(self, request)
         future = Future()
         with self._lock:
@@ -329,11 +344,7 @@ def install(discovery: Discovery, unheard: Callable[[Any], list[Missed]]) -> Non
         future.add_done_callback(self.remove_pending_request)
         return future
 
-    def virtual_send_response(self: Any, response: Any, header: Any) -> None:
-        sent[_key(self)] += 1
-        send_response(self, response, header)
-
-    publisher.publish, service.send_response = virtual_publish, virtual_send_response
+    publisher.publish = virtual_publish
     client.service_is_ready, client.call_async = virtual_is_ready, virtual_call_async
 
 

@@ -119,6 +119,7 @@ def install(kernel: Kernel, epoch: int, bridge: Graph) -> RosClocks:
     """Replace the waiting parts of rclpy; return the clocks, which must follow the kernel."""
     _install_entities(bridge)
     clocks = RosClocks(kernel, epoch)
+    discovery.count_sent()
     _install_wait(kernel, bridge)
     _install_wait_for_message(kernel, bridge)
     _install_takes(kernel, clocks)

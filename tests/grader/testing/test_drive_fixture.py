@@ -29,8 +29,10 @@ NODES = {
         rclpy.init()
         rclpy.spin(Agent())
         """,
+    "driving_style": "SPEED = 0.1",  # it lies beside the node that imports it
     "stamped": """
         import rclpy
+        from driving_style import SPEED
         from geometry_msgs.msg import TwistStamped
         from rclpy.node import Node
 
@@ -38,7 +40,7 @@ NODES = {
             def __init__(self):
                 super().__init__("agent")
                 self.publisher = self.create_publisher(TwistStamped, "/cmd_vel", 10)
-                self.speed = self.declare_parameter("speed", 0.1).value
+                self.speed = self.declare_parameter("speed", SPEED).value
                 self.create_timer(0.1, self.tick)
 
             def tick(self):

@@ -214,6 +214,51 @@ WRONG = """
     def test_teardown(virtual_time, request):
         request.addfinalizer(lambda: 1 / 0)
     """
+DAILY = """
+    import time
+
+    import rclpy
+    from nodes import Ticker
+    from rclpy.executors import MultiThreadedExecutor
+    from std_msgs.msg import String
+    from std_srvs.srv import Trigger
+
+
+    def test_waiting_takes_virtual_time(virtual_time):
+        with virtual_time() as world:
+            time.sleep(50.0)
+            assert world.now == 50.0
+
+
+    def test_timers_and_subscriptions(virtual_time):
+        with virtual_time() as world:
+            heard, ticker = world.listen("/tick", String), Ticker()
+            world.run(ticker, until=0.4)  # what comes after silence is heard, too
+            for text in ("now", "now, too"):
+                world.publish("/in", String(data=text))
+            world.publish("/in", String(data="later"), at=1.25)
+            world.run(ticker, until=2.0, executor=MultiThreadedExecutor(2))
+            assert heard.times == [0.5, 1.0, 1.5, 2.0]
+            heard = [(round(at, 3), text) for at, text in ticker.heard]
+            assert heard == [(0.4, "now"), (0.4, "now, too"), (1.25, "later")]
+
+
+    def test_a_node_beside_another_and_a_service(virtual_time):
+        with virtual_time() as world:
+            ticker, other, heard = Ticker(), rclpy.create_node("other"), []
+            ticker.create_service(Trigger, "/count", lambda _, answer: count(ticker, answer))
+            client, futures = other.create_client(Trigger, "/count"), []
+            other.create_subscription(String, "/tick", lambda m: heard.append(m.data), 10)
+            other.create_timer(0.7, lambda: futures.append(client.call_async(Trigger.Request())))
+            world.run(ticker, other, until=2.2)
+            assert heard == ["1", "2", "3", "4"]
+            assert [future.result().message for future in futures] == ["1", "2", "4"]
+
+
+    def count(ticker, answer):
+        answer.message = str(ticker.count)
+        return answer
+    """
 SAID = {
     "assertion": "assert 4 == 5",
     "callback": "ZeroDivisionError",
@@ -285,17 +330,9 @@ def test_a_file_that_only_breaks_in_the_other_process(tmp_path: Path) -> None:
     assert "OSError: not here" in session.tests["test_it.test_it"].text
 
 
-def test_waiting_takes_virtual_time(tmp_path: Path) -> None:
+def test_what_people_test_daily(tmp_path: Path) -> None:
     """The one of this page that `make test` runs besides."""
-    write(
-        tmp_path,
-        test_it="""
-        import time
-
-        def test_it(virtual_time):
-            with virtual_time() as world:
-                time.sleep(50.0)
-                assert world.now == 50.0
-        """,
-    )
-    assert pytest_in(tmp_path).outcomes() == {"test_it.test_it": "passed"}
+    write(tmp_path, nodes=NODES, test_daily=DAILY)
+    session = pytest_in(tmp_path)
+    assert session.code == 0, session.output
+    assert len(session.tests) == DAILY.count("def test_")
