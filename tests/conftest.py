@@ -19,7 +19,7 @@ from grader.link.hosts import ForkServer
 from grader.link.pool import ForkServerPool
 
 MadeOnce = Callable[[str, Callable[[Path], object]], Path]
-LONG = ("browser", "live")  # folders with what takes long by its nature: Chromium, DDS
+LONG = ("browser",)  # folders with what takes long by its nature
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 CHROMIUM_ARGUMENTS = [
     "--no-sandbox",

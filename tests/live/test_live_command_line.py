@@ -1,16 +1,18 @@
-"""What the command line takes, and what it says to those who err.
+"""What the command line takes and says to those who err, and a robot that is driven and put back.
 
 Tests `sim.__main__`, `sim.live.cli` and, in a process, `options`, `parameters` and `run`.
 """
 
 import json
+import math
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from processes import ROOT, Town
+from processes import ROOT, Line, Town
 
 from sim.live.cli import main, split_ros_args
 
@@ -78,3 +80,20 @@ def test_wrong_values_are_refused_in_one_line(here: Town) -> None:
         assert expected in end["said"]
         assert end["said"].count("\n") == 1, end["said"]
     assert list(here.folder.glob("*.mcap")) == []
+
+
+def test_it_is_driven_and_reset_puts_it_back_to_its_start(here: Town) -> None:
+    """The one of DDS that `make test` runs: no moment in it is early or late."""
+
+    def at_start(odom: Line) -> bool:
+        return math.dist((odom["x"], odom["y"]), (3.0, 0.0)) < 0.01
+
+    robot, listener = here.robot(), here.listener()
+    teleop = here.teleop(0.3, 0.0)
+    listener.next_json("/odom", lambda odom: not at_start(odom))
+    listener.next_json("/scan")
+    teleop.end(signal.SIGKILL)
+    assert listener.ask("reset")["message"] == "demo_wall from its start, seed 1"
+    listener.next_json("/odom", at_start)
+    assert robot.end(signal.SIGINT) == 0
+    assert "Traceback" not in robot.rest()

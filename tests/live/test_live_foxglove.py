@@ -35,6 +35,7 @@ def messages(connection: Any, channels: dict[str, Any]) -> Iterator[tuple[str, b
             yield topics[subscription], data[MESSAGE_DATA.size :]
 
 
+@pytest.mark.long
 def test_a_client_sees_the_scene(here: Town) -> None:
     pytest.importorskip("foxglove")
     websocket = pytest.importorskip("websocket")

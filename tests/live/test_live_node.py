@@ -19,6 +19,7 @@ from rosbags.rosbag2 import Reader
 from grader.link.domains import own_domain
 from sim.messages import EPOCH_NS, TWIST
 
+pytestmark = pytest.mark.long  # but one: in test_live_command_line.py
 ODOM_PERIOD = 0.05  # [s]
 LONGEST_STOP = 0.5 + 0.5 / 0.9  # [s] a command counts, and the ramp from 0.5 m/s at 0.9 m/s²
 
@@ -40,10 +41,6 @@ class Square:
 def square(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Square]:
     with own_domain() as domain, town(domain, tmp_path_factory.mktemp("square")) as here:
         yield Square(here, here.robot(), here.listener())
-
-
-def at_start(odom: Line) -> bool:
-    return math.dist((odom["x"], odom["y"]), (3.0, 0.0)) < 0.01
 
 
 def contents(bag: Path) -> tuple[Counter[str], set[tuple[str, str]]]:
@@ -83,14 +80,6 @@ def test_a_command_that_is_not_finite_is_a_stop_with_a_warning(square: Square) -
     assert "expected finite numbers" in square.robot.wait_for("linear.x = nan")
     broken.end(signal.SIGKILL)
     assert abs(square.listener.next_json("/odom")["v"]) < 0.01
-
-
-def test_reset_puts_it_back_to_its_start(square: Square) -> None:
-    teleop = square.town.teleop(0.3, 0.0)
-    square.listener.next_json("/odom", lambda odom: not at_start(odom))
-    teleop.end(signal.SIGKILL)
-    assert square.listener.ask("reset")["message"] == "demo_wall from its start, seed 1"
-    square.listener.next_json("/odom", at_start)
 
 
 def test_it_can_be_paused(square: Square) -> None:
