@@ -1,12 +1,16 @@
-"""`course autograde`, as far as it grades nothing: what it takes in, and its exit code."""
+"""`course autograde` as it is typed: what it takes in, its exit code, and one small class."""
 
+import csv
 import zipfile
 from pathlib import Path
 
-import pytest
 from command_line import course
 
+from grader.course.exercises import SOLUTIONS
+
 AGENT = "obstacle_avoidance_agent.py"
+MEMORY = "trend_agent.py"
+ROSTER = 'Student,ID,SIS Login ID,Section\n"Lee, Carla",12345,clee,A\n"Ray, Bo",2,b,B\n'
 
 
 def look(*arguments: object) -> tuple[int, str]:
@@ -15,14 +19,29 @@ def look(*arguments: object) -> tuple[int, str]:
     return done.code, done.out + done.err
 
 
-@pytest.mark.long
+def test_from_a_download_to_the_gradebook(tmp_path: Path) -> None:
+    week, out = tmp_path / "week", tmp_path / "out"
+    week.mkdir()
+    work = (SOLUTIONS / "trend_memory" / MEMORY).read_bytes()
+    (week / f"leecarla_12345_678901_{MEMORY}").write_bytes(work)
+    (tmp_path / "class.csv").write_text(ROSTER)
+    options = ("--roster", tmp_path / "class.csv", "--out", out, "--canaries", 0, "--trust")
+    code, said = look(week, *options)
+    assert code == 0, said
+    assert "1 graded, 0 held for a person, 1 not handed in." in said
+    rows = list(csv.DictReader((out / "scores.csv").read_text("utf-8-sig").splitlines()))
+    assert [(row["name"], row["state"], row["points"]) for row in rows] == [
+        ("Bo Ray", "not handed in", ""), ("Carla Lee", "graded", "100")
+    ]  # fmt: skip
+    assert '"Lee, Carla",12345,clee,A,100' in (out / "canvas" / "trend_memory.csv").read_text()
+
+
 def test_a_look_at_what_was_handed_in(tmp_path: Path) -> None:
     week = tmp_path / "week"
     week.mkdir()
     (week / f"leecarla_12345_678901_{AGENT}").write_text("# mine\n")
     roster = tmp_path / "class.csv"
-    rows = ("Student,ID,SIS Login ID,Section", '"Lee, Carla",12345,clee,A', '"Ray, Bo",2,b,B')
-    roster.write_text("\n".join(rows))
+    roster.write_text(ROSTER)
     code, said = look(week, "--roster", roster, "--list")
     assert code == 0
     assert "Carla Lee (A): obstacle_avoidance" in said
