@@ -47,7 +47,6 @@ def test_other_peoples_nodes_drive(text: str, type: str, tmp_path: Path) -> None
     assert (tmp_path / "drive.html").stat().st_size > 10_000
 
 
-@pytest.mark.long
 def test_goals_parameters_and_seed_of_a_drive(tmp_path: Path) -> None:
     node = tmp_path / "node.py"
     node.write_text(
@@ -68,7 +67,7 @@ def test_goals_parameters_and_seed_of_a_drive(tmp_path: Path) -> None:
     assert [goals.t.tolist(), goals.x.tolist(), goals.y.tolist()] == [[0.5, 1.5], [5, 0.5], [-3, 0]]
     assert [line.text for line in drive.log] == ["0.25 two words"]
     assert drive.duration_s == 2.0
-    assert f"seed {drive.seed}" in done.out
+    assert "node.py in demo_open, seed 7\n" in done.out
 
 
 def test_what_cannot_be_started_is_wrong_usage(tmp_path: Path) -> None:
@@ -83,7 +82,6 @@ def test_what_cannot_be_started_is_wrong_usage(tmp_path: Path) -> None:
     assert "started" in course("drive", tmp_path / "two", *SHORT).out
 
 
-@pytest.mark.long
 def test_a_drive_that_ends_early_says_why(tmp_path: Path) -> None:
     node = tmp_path / "node.py"
     node.write_text("def main():\n    raise RuntimeError('as I said')\nmain()\n")
