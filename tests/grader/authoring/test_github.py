@@ -61,19 +61,22 @@ def step_of(template: Path, job: dict[str, Any], name: str) -> dict[str, Any]:
     return found
 
 
-@pytest.mark.long
-def test_a_push_is_graded(template: Path, job: dict[str, Any]) -> None:
-    before = step_of(template, job, "exercise-1")
-    text = (ONE.solutions / ONE.files[0]).read_text("utf-8")
-    (template / ONE.files[0]).write_text(text, "utf-8")
-    after = step_of(template, job, "exercise-1")
-
-    for found in (before, after):
-        assert set(found) == {"version", "status", "max_score", "tests"}
-        assert found["max_score"] == 100
-    assert (before["status"], sum(test["score"] for test in before["tests"])) == ("fail", 0)
-    assert (after["status"], sum(test["score"] for test in after["tests"])) == ("pass", 100)
-    assert {test["status"] for test in after["tests"]} == {"pass"}
+@pytest.mark.parametrize(
+    ("place", "status", "points"),
+    [
+        pytest.param(ONE.folder, "fail", 0, id="skeleton", marks=pytest.mark.long),
+        pytest.param(ONE.solutions, "pass", 100, id="reference"),
+    ],
+)
+def test_a_push_is_graded(
+    template: Path, job: dict[str, Any], place: Path, status: str, points: int
+) -> None:
+    (template / ONE.files[0]).write_bytes((place / ONE.files[0]).read_bytes())
+    found = step_of(template, job, "exercise-1")
+    assert set(found) == {"version", "status", "max_score", "tests"}
+    assert found["max_score"] == 100
+    assert (found["status"], sum(test["score"] for test in found["tests"])) == (status, points)
+    assert {test["status"] for test in found["tests"]} == {status}
 
 
 def test_a_release_has_the_container(template: Path) -> None:
