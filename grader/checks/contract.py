@@ -1,7 +1,7 @@
 """What the node of an exercise is, as one value: its limits, its period, and where it is tried.
 
 Each exercise's `contract.py` has one, called `CONTRACT`, beside its oracle `cases`. Checks, search,
-delay, causes and mutants read it; nothing states a limit of a command a second time.
+causes and mutants read it; nothing states a limit of a command a second time.
 """
 
 from __future__ import annotations
@@ -27,24 +27,12 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Survived:
-    """The largest delays that a node survives [ms]; -1: it fails without any."""
-
-    sensors: int
-    commands: int
-
-    def of(self, axis: str) -> int:
-        """Return that of an axis, `sensors` or `commands`."""
-        return int(getattr(self, axis))
-
-
-@dataclass(frozen=True)
 class Contract:
     """What a node of an exercise does in any fair world."""
 
     limits: Limits = Limits()
     period: float | None = None  # [s] from one command to the next; None: one for each scan
-    drives: bool = True  # by itself: it can be searched, and driven with delays
+    drives: bool = True  # by itself: worlds can be searched for it
     free: Free | None = None  # may the robot drive, seeing this? None: there is a goal instead
     patience: float = 3.0  # [s] that it may stand though its way is free
     heeds_e_stop: bool = False
@@ -52,8 +40,6 @@ class Contract:
     supervises: bool = False  # they have a model that never brakes, and emergency stops
     nodes: tuple[NodeSpec, ...] = (NodeSpec(),)  # what the node finds there: its models
     search_for: float = 9.0  # [s] that a searched world lasts
-    delayed_in: tuple[str, ...] = ()  # scenarios in which `course delay` drives it
-    survives: Survived | None = None  # the reference, by `python -m grader.authoring.delays`
 
 
 def free_from(distance: float) -> Free:

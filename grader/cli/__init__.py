@@ -14,7 +14,6 @@ from grader.cli import (
     begin,
     check_bag,
     dataset,
-    delay,
     desk,
     doctor,
     drive,
@@ -27,6 +26,7 @@ from grader.cli import (
     search,
     why,
 )
+from grader.cli.gone import what_replaces
 from grader.cli.results import FAULT, LESS
 from grader.errors import GraderError, InputError
 from grader.report.foreign import echo
@@ -48,7 +48,6 @@ for _command in (
     why.why,
     drive.drive,
     search.search,
-    delay.delay,
     dataset.dataset,
     check_bag.check_bag,
     doctor.doctor,
@@ -77,6 +76,8 @@ def run(arguments: Sequence[str] | None = None, elsewhere: drive.Elsewhere | Non
     A page drives `elsewhere`.
     """
     try:
+        if said := what_replaces(sys.argv[1:] if arguments is None else arguments):
+            return _complain(said)
         code = cli.main(arguments, "course", standalone_mode=False, obj=elsewhere)
         sys.stdout.flush()
     except BrokenPipeError:  # `course … | head`; links to hosts never raise it

@@ -40,10 +40,8 @@ def onward(exercise: Exercise | None = None) -> list[str]:
             *_another(every, now),
         ]
     return [
-        f"Exercise {now.number}: full marks, and field-ready. Does it hold in any world, and when "
-        "messages are late?",
+        f"Exercise {now.number}: full marks, and field-ready. Does it hold in any world?",
         f"  course search {where} --exercise {now.number}",
-        f"  course delay {where} --exercise {now.number}",
         *_best(now),
         *_another(every, now),
     ]

@@ -13,6 +13,7 @@ from documents import ROOT, Document, documents, tracked
 
 from grader.authoring.mutants import mutants
 from grader.cli import cli
+from grader.cli.gone import what_replaces
 from grader.course.exercises import all_exercises, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
@@ -122,7 +123,8 @@ def test_course_commands_and_their_options_exist() -> None:
     wrong = []
     for where, code in [(document.path, code) for document in OURS for code in document.code]:
         match = re.match(r"(?:\.venv/bin/)?course ([a-z][a-z-]*)(.*)", code)
-        if match is None:
+        named = str(where) == "CHANGELOG.md" and what_replaces(shlex.split(code)[1:])
+        if match is None or named:  # the changelog names what went
             continue
         command = cli.commands.get(match[1])
         if isinstance(command, click.Group) and match[2].strip():

@@ -116,7 +116,6 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "drive a scenario": ("drive", AGENT, "--scenario", NAME),
     "search": ("search", AGENT, "--exercise", "1", "--tries", "3"),
     "search a name": ("search", f"{NAME}.py", "--exercise", "1", "--tries", "3"),
-    "delay": ("delay", f"{NAME}.py", "--exercise", "1"),
     "dataset": ("dataset", "--out", f"{NAME}/x.npz"),
     "check-bag": ("check-bag", f"{NAME}.mcap"),
     "doctor": ("doctor", NAME),

@@ -13,7 +13,7 @@ import numpy as np
 
 from grader.checks.case import Case, exactly
 from grader.checks.commands import ZERO
-from grader.checks.contract import Contract, Limits, Survived
+from grader.checks.contract import Contract, Limits
 from grader.recording import Recording
 from sim.messages import CMD_VEL_TOPIC as CMD_VEL
 
@@ -35,8 +35,6 @@ CONTRACT = Contract(
     limits=Limits(fastest=MAX_SPEED, turning=MAX_TURN_RATE),
     period=PERIOD,
     goals=True,
-    delayed_in=("goal_across_the_seam", "goal_behind", "goal_beside"),
-    survives=Survived(sensors=300, commands=300),
 )
 COMMANDS = {CMD_VEL: frozenset({"commands"})}  # whatever they say
 STILL = {"linear.x": 0.0, "angular.z": 0.0}  # [m/s] and [rad/s]

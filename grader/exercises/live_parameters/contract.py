@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from grader.checks.ahead import HAIR, front_distances
 from grader.checks.case import Allowed, Case, Interval, Runs, answered, exactly
 from grader.checks.commands import answers
-from grader.checks.contract import Contract, Survived, free_from
+from grader.checks.contract import Contract, free_from
 from grader.checks.parameters import Order, orders
 from grader.checks.words import follows
 from grader.recording import Recording, Scan
@@ -25,7 +25,7 @@ NEAREST = 0.3  # [m] nearer than this it stands, whatever the parameters say
 DOUBLE = 3  # of rcl_interfaces/msg/ParameterType
 FREE = free_from(0.55)
 CONTRACT = Contract(
-    free=FREE, delayed_in=("live_wall",), survives=Survived(sensors=300, commands=300)
+    free=FREE,
 )
 UNSAFE = "Is every value of the command line checked, and the command kept within its limits?"
 

@@ -7,7 +7,7 @@ from functools import lru_cache
 from grader.checks.ahead import HAIR, front_distances
 from grader.checks.case import Case, answered, exactly
 from grader.checks.commands import answers
-from grader.checks.contract import Contract, Survived, free_from
+from grader.checks.contract import Contract, free_from
 from grader.recording import Recording, Scan
 
 STOP_DISTANCE = 0.5  # [m] nearer than this: stop
@@ -20,8 +20,6 @@ FREE = free_from(0.55)
 CONTRACT = Contract(
     free=FREE,
     search_for=8.0,
-    delayed_in=("avoid_wall", "avoid_cart", "avoid_corridor", "avoid_store"),
-    survives=Survived(sensors=300, commands=300),
 )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from grader.checks.ahead import front_distances
 from grader.checks.case import Case, Said, exactly
 from grader.checks.commands import ZERO, published
-from grader.checks.contract import Contract, Limits, Survived, free_from
+from grader.checks.contract import Contract, Limits, free_from
 from grader.exercises.safety_supervisor.rules import (
     MAX_RISE,
     MAX_SPEED,
@@ -62,8 +62,6 @@ CONTRACT = Contract(
     heeds_e_stop=True,
     supervises=True,
     search_for=8.0,
-    delayed_in=("safe_drive",),
-    survives=Survived(sensors=300, commands=300),
 )
 
 

@@ -15,22 +15,22 @@ from driven import careful, drive_by, reckless, timid
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from grader.authoring.delays import driving
 from grader.authoring.mutants import find_mutant
 from grader.cli import cli
-from grader.course.exercises import exercise_for, find_exercise
+from grader.course.exercises import all_exercises, exercise_for, find_exercise
 from grader.drive import node
 from grader.drive.search import arena_of, search
 from grader.drive.search.fair import is_fair
 from grader.drive.search.finder import cut
 from grader.drive.search.toml import scenario_to_toml
 from grader.errors import InputError
+from grader.exercises import contract_of
 from grader.recording import Outcome
 from sim.scenario import Scenario
 from sim.scenario_files import load_scenario, scenario_from_toml
 
 ROOT = Path(__file__).resolve().parents[3]
-SEARCHED = [exercise.number for exercise in driving()]
+SEARCHED = [each.number for each in all_exercises() if contract_of(each).drives]
 TRIES = int(os.environ.get("COURSE_TRIES", "15"))  # in each reference
 SETTINGS = settings(
     derandomize=True, deadline=None, max_examples=40, phases=[Phase.generate],
@@ -219,7 +219,6 @@ def test_exercises_that_do_not_drive_are_refused():
         arena_of(find_exercise("6"))
 
 
-@pytest.mark.parametrize("command", ["search", "delay"])
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -229,8 +228,8 @@ def test_exercises_that_do_not_drive_are_refused():
         (["1", "6", "my_agent.py"], "expected one exercise, got 1, 6"),
     ],
 )
-def test_the_exercise_may_stand_before_the_file_as_for_a_grading(command, words, said):
-    done = CliRunner().invoke(cli, [command, *words], standalone_mode=False)
+def test_the_exercise_may_stand_before_the_file_as_for_a_grading(words, said):
+    done = CliRunner().invoke(cli, ["search", *words], standalone_mode=False)
     assert said in str(done.exception)
 
 

@@ -64,7 +64,6 @@ def test_after_full_marks_come_the_badge_a_challenge_and_the_next_exercise(grade
     graded(FIRST, field=True)
     assert [line for line in onward() if line.startswith("  ")] == [
         "  course search obstacle_avoidance_agent.py --exercise 1",
-        "  course delay obstacle_avoidance_agent.py --exercise 1",
         "  course start 2",
     ]
     graded(SECOND, "drives")  # the one graded last, unless one is asked for

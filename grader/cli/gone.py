@@ -1,0 +1,18 @@
+"""What version 1.0.0 had and what replaces it, said in a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+# A command, an option of it ("" for all of it), and the sentence
+GONE = {
+    ("delay", ""): "course delay is gone; set command_latency, scan_latency and odom_latency of "
+    "[faults] in a scenario, and try it with course drive",
+}
+
+
+def what_replaces(words: Sequence[str]) -> str:
+    """Return the sentence for the first of these words that is gone; "" if none is."""
+    command = words[0] if words else ""
+    options = (word.partition("=")[0] for word in words[1:])
+    return next((GONE[command, each] for each in ("", *options) if (command, each) in GONE), "")
