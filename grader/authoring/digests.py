@@ -33,8 +33,8 @@ Digests = dict[str, dict[str, str]]  # claim → scenario → digest; and its ve
 VERDICT = "verdict"  # in the place of a scenario's name
 RIGHT = ("reference", "variant")
 # Two runs of these mutants differ anyhow: an int in a byte field, and a float of numpy's in one of
-# Python's, are memory that belongs to nobody, and no two runs share the CPU time of processes.
-UNSETTLED = ("level_as_int", "numpy_float_in_the_field", "cpu_time")
+# Python's, are memory that belongs to nobody.
+UNSETTLED = ("level_as_int", "numpy_float_in_the_field")
 
 
 def main(arguments: list[str]) -> int:
