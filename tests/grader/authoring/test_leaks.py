@@ -19,7 +19,7 @@ from grader.course.skeletons import strip_solution
     ("source", "where"),
     [
         ("obstacle_avoidance_agent.py", "grader/helper.py"),
-        ("variants/beginner_loops.py", "lessons/lesson.md"),
+        ("variants/spin_once_loop.py", "lessons/lesson.md"),
         ("mutants.toml: whole_circle", "sim/new.py"),
     ],
 )

@@ -157,7 +157,7 @@ def test_passages_are_runs_of_statements_in_any_order() -> None:
 
 def test_pages_show_both_side_by_side(tmp_path: Path) -> None:
     texts = honest(OBSTACLES)
-    copy = edited(texts["variants/beginner_loops"], dict(EDITS)["reorder"], "")
+    copy = edited(texts["variants/spin_once_loop"], dict(EDITS)["reorder"], "")
     texts = texts | {"ben": copy + b"\n# </code><script>alert(1)</script>\n"}
     sources = {(who, OBSTACLES): {FILE: text} for who, text in texts.items()}
     (group,) = write_likeness(tmp_path, sources, {}, "the course")[OBSTACLES].groups
