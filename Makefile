@@ -73,8 +73,6 @@ wheel: $(VENV)/.course ## build the wheel for every system into dist (docs/porta
 
 bench: $(VENV)/.dev ## measure; ratios against a peer in the same run
 	$(BIN)/python benchmarks/peers.py
-	$(BIN)/python benchmarks/runtimes.py
-	$(BIN)/python benchmarks/batch.py
 	@test ! -f build/site/_static/workspace/manifest.json || $(BIN)/python benchmarks/page.py
 
 EXERCISES ?=
