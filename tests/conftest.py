@@ -17,8 +17,11 @@ import pytest
 from grader.course.exercises import ROOT
 from grader.link.hosts import ForkServer
 from grader.link.pool import ForkServerPool
+from grader.trial.kept import RECORDINGS, KeptRecordings
 
 MadeOnce = Callable[[str, Callable[[Path], object]], Path]
+# jsonschema builds 38 grammars for IRIs where it finds this, 1.7 s in each worker
+sys.modules["rfc3987_syntax"] = None  # type: ignore[assignment]
 LONG = ("browser",)  # folders with what takes long by its nature
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 CHROMIUM_ARGUMENTS = [
@@ -106,6 +109,14 @@ def made_once(tmp_path_factory: pytest.TempPathFactory) -> MadeOnce:
         return folder
 
     return folder_of
+
+
+@pytest.fixture(scope="session")
+def recordings(made_once: MadeOnce) -> KeptRecordings:
+    """Recordings of earlier runs of the tests and the proof, for tests of what judges them."""
+    kept = KeptRecordings(RECORDINGS)
+    made_once("tidy", lambda _: kept.tidy())
+    return kept
 
 
 @pytest.fixture(scope="session")

@@ -28,12 +28,10 @@ from grader.grading.grading import Grading
 from grader.grading.plugin import FAIL, INCONCLUSIVE, UNAVAILABLE
 from grader.link.hosts import ForkServer
 from grader.recording import noted_of
-from grader.trial.kept import KeptRecordings
+from grader.trial.kept import RECORDINGS, KeptRecordings
 from sim.messages import EPOCH_NS
 
 SKELETON_POINTS = 10  # at most
-CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-RECORDINGS = CACHE / "rclpy-agents-course" / "recordings"
 
 
 def objections(claim: Claim, grading: Grading) -> list[str]:

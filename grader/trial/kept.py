@@ -1,8 +1,8 @@
 """Recordings kept on disk by what made them, so that new checks can judge what was run before.
 
 A recording is kept under the fingerprint of its node, scenario, seed and engine: whatever can
-change it changes its name. The files are a contributor's own cache, outside the repository; they
-are pickled, so nobody else's belong there.
+change it changes its name. The files are a contributor's own cache, which git ignores; they are
+pickled, so nobody else's belong there.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import hashlib
 import os
 import pickle
 import shutil
+import sys
 import zlib
 from collections.abc import Mapping
 from dataclasses import replace
@@ -28,6 +29,7 @@ FORMAT = 2
 # what unpickling may raise, as the library reference lists it
 BROKEN = (pickle.UnpicklingError, AttributeError, EOFError, ImportError, IndexError)
 CODE = Path(__file__).resolve().parents[2]
+RECORDINGS = CODE / "build" / "recordings"  # those of the proof and of the tests
 ENGINE = ("sim", "grader/host", "grader/link", "grader/models", "grader/recording", "grader/trial")
 LIBRARIES = ("ros-jazzy-rclpy", "numpy", "pymunk", "rosbags", "scikit-learn", "onnxruntime")
 _SAID_OF_IT = {"title": "", "name": "", "description": ""}  # of a scenario; changes no recording
@@ -109,7 +111,7 @@ class KeptRecordings:
 @cache
 def fingerprint_of_engine() -> str:
     """Return a name for all that a recording depends on besides its node, scenario and seed."""
-    result = hashlib.sha256()
+    result = hashlib.sha256(sys.version.encode())
     for library in LIBRARIES:
         try:
             result.update(f"{library} {version(library)}\n".encode())

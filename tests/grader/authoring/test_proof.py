@@ -5,7 +5,9 @@ for every check of every exercise to have failed one: those of the core in `make
 field in `make test-long`.
 """
 
-from collections.abc import Iterator
+import contextlib
+import importlib
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,20 +19,24 @@ import pytest
 from grader.authoring import proof
 from grader.authoring.claims import Claim, claim_of, claims, complete, cover, grade_claim
 from grader.authoring.proof import Row, keep, main, objections, unproven
+from grader.checks.case import Runs
+from grader.checks.verdict import CheckFailed, Inconclusive
 from grader.course.exercises import Exercise, all_exercises
 from grader.errors import GraderError
+from grader.exercises import oracle_of
 from grader.grading.grading import Grading, grade
-from grader.grading.plugin import FAIL, UNAVAILABLE, CheckResult
+from grader.grading.plugin import UNAVAILABLE, CheckResult
 from grader.host.frames import Note
 from grader.link.pool import ForkServerPool
 from grader.trial.kept import KeptRecordings
-from grader.trial.trials import SavedTrials
+from grader.trial.trials import NodeTrials, SavedTrials
 from sim.scenario_files import load_scenario
 
 CLAIMS = {exercise.slug: list(claims(exercise)) for exercise in all_exercises()}
 RIGHT = [claim for every in CLAIMS.values() for claim in every if claim.kind == "reference"]
 RIGHT += [claim for claim in CLAIMS["obstacle_avoidance"] if claim.kind in ("skeleton", "variant")]
-WRONG = [each for exercise in all_exercises() for each in cover(exercise)]
+DEAR = {"heavy_callback", "searches_its_history"}  # ten times the CPU of others
+WRONG = [each for exercise in all_exercises() for each in cover(exercise, without=DEAR)]
 WRONG_IN_THE_FIELD = [each for exercise in all_exercises() for each in cover(exercise, field=True)]
 
 
@@ -43,8 +49,8 @@ WRONG_IN_THE_FIELD = [each for exercise in all_exercises() for each in cover(exe
         for claim in RIGHT
     ],
 )
-def test_claims_hold(claim: Claim, forkservers: ForkServerPool) -> None:
-    grading = grade_claim(claim, forkservers.of(claim.exercise.libraries))
+def test_claims_hold(claim: Claim, forkservers: ForkServerPool, recordings: KeptRecordings) -> None:
+    grading = grade_claim(claim, forkservers.of(claim.exercise.libraries), kept=recordings)
     assert objections(claim, grading) == []
     if lacking := unproven(claim, grading):
         pytest.skip(f"proven but for {lacking}: a library is not installed (make test-deep)")
@@ -54,9 +60,9 @@ def test_claims_hold(claim: Claim, forkservers: ForkServerPool) -> None:
     ("claim", "checks"), [pytest.param(*each, id=each[0].name) for each in WRONG]
 )
 def test_each_check_fails_a_wrong_solution(
-    claim: Claim, checks: frozenset[str], forkservers: ForkServerPool
+    claim: Claim, checks: frozenset[str], forkservers: ForkServerPool, recordings: KeptRecordings
 ) -> None:
-    require_failures(claim, checks, forkservers)
+    require_failures(claim, checks, forkservers, recordings)
 
 
 @pytest.mark.long
@@ -64,24 +70,68 @@ def test_each_check_fails_a_wrong_solution(
     ("claim", "checks"), [pytest.param(*each, id=each[0].name) for each in WRONG_IN_THE_FIELD]
 )
 def test_each_field_check_fails_a_wrong_solution(
-    claim: Claim, checks: frozenset[str], forkservers: ForkServerPool
+    claim: Claim, checks: frozenset[str], forkservers: ForkServerPool, recordings: KeptRecordings
 ) -> None:
-    require_failures(claim, checks, forkservers)
+    require_failures(claim, checks, forkservers, recordings)
 
 
-def require_failures(claim: Claim, checks: frozenset[str], forkservers: ForkServerPool) -> None:
-    """Grade a wrong solution by these checks and those that they need; each of them has to fail."""
-    grading = grade_claim(claim, forkservers.of(claim.exercise.libraries), only=checks)
-    outcomes = {check.id: check.outcome for check in grading.checks}
-    absent = {check for check, outcome in outcomes.items() if outcome == UNAVAILABLE}
-    assert {check for check in checks - absent if outcomes[check] != FAIL} == set()
+def require_failures(
+    claim: Claim, checks: frozenset[str], forkservers: ForkServerPool, recordings: KeptRecordings
+) -> None:
+    """Judge the runs of a wrong solution; each of these checks has to fail.
+
+    One run after the other takes the place of the reference's, the shortest first: what shows the
+    mistake in one scenario needs no trials in ten.
+    """
+    servers = forkservers.of(claim.exercise.libraries)
+    right = next(each for each in RIGHT if each.exercise == claim.exercise)
+    with (
+        complete(claim) as mine, NodeTrials(mine, servers, kept=recordings) as wrong_trials,
+        complete(right) as theirs, NodeTrials(theirs, servers, kept=recordings) as right_trials,
+    ):  # fmt: skip
+        passed = [
+            name
+            for name in sorted(checks)
+            if not fails(claim.exercise, check_of(claim.exercise, name), wrong_trials, right_trials)
+        ]
+    assert passed == []
+
+
+def check_of(exercise: Exercise, name: str) -> Callable[[Runs], None]:
+    for file in sorted(exercise.judge.glob("test_*.py")):
+        module = importlib.import_module(f"grader.exercises.{exercise.slug}.{file.stem}")
+        if check := getattr(module, f"test_{name}", None):
+            return check  # type: ignore[no-any-return]
+    raise AssertionError(f"{exercise.slug} has no check {name}")
+
+
+def fails(
+    exercise: Exercise, check: Callable[[Runs], None], wrong: NodeTrials, right: NodeTrials
+) -> bool:
+    """Return whether a check fails on runs of a wrong solution, or can't be judged here."""
+    (mark,) = (mark.kwargs for mark in check.pytestmark if mark.name == "check")  # type: ignore[attr-defined]
+    names = mark["scenarios"]
+    if wrong.lacks(names, mark.get("requires", ())):
+        return True
+    scenarios = {name: load_scenario(name) for name in names}
+    order = sorted(names, key=lambda name: scenarios[name].duration)
+    alone = not any(each.training or each.node.models for each in scenarios.values())
+    for count in range(1 if alone else len(order), len(order) + 1):
+        own = {name: wrong.get(name) for name in order[:count]}
+        runs = [own.get(name) or right.get(name) for name in names]
+        with contextlib.suppress(Inconclusive):
+            try:
+                check(Runs(runs, oracle_of(exercise), exercise.slug))
+            except CheckFailed:
+                return not any(each.live and each.live.stall for each in own.values())
+    return False
 
 
 @pytest.mark.parametrize("exercise", all_exercises(), ids=lambda exercise: exercise.slug)
 def test_these_wrong_solutions_fail_every_check(exercise: Exercise) -> None:
     graded = grade(exercise, SavedTrials([]), file="x.py", field=True).checks
-    for field in (False, True):
-        covered = set().union(*(checks for _, checks in cover(exercise, field=field)))
+    for field, wrong in ((False, WRONG), (True, WRONG_IN_THE_FIELD)):
+        covered = set().union(*(checks for each, checks in wrong if each.exercise == exercise))
         checks = {check.id for check in graded if (check.kind == "field") is field}
         lacking = {check.id for check in graded if check.outcome == UNAVAILABLE}
         wanted = f"{exercise.solutions / 'mutants.toml'}: a mutant with it in `fails`"

@@ -27,6 +27,7 @@ from grader.link.hosts import ForkServer
 from grader.link.pool import ForkServerPool
 from grader.recording import Outcome, Recording
 from grader.report.page import json_text
+from grader.trial.kept import KeptRecordings
 from grader.trial.trials import NodeTrials
 
 EXAMPLES = int(os.environ.get("COURSE_HOSTILE_EXAMPLES", "20"))  # for each exercise
@@ -53,13 +54,13 @@ def mark(check: Callable[..., None]) -> dict[str, Any]:
 
 
 def recordings_of(
-    exercise: Exercise, forkserver: ForkServer, checks: list[Any]
+    exercise: Exercise, forkserver: ForkServer, checks: list[Any], kept: KeptRecordings
 ) -> dict[str, Recording]:
     """Return what the reference does in every scenario of these checks."""
     file = exercise.solutions / exercise.files[0]
     submission = find_submission(file, exercise.files[0], exercise.files[1:])
     names = list(dict.fromkeys(name for check in checks for name in mark(check)["scenarios"]))
-    with NodeTrials(submission, forkserver) as trials:
+    with NodeTrials(submission, forkserver, kept=kept) as trials:
         trials.prepare(names)
         return {name: trials.get(name) for name in names}
 
@@ -82,12 +83,16 @@ def verdict(check: Callable[..., None], exercise: Exercise, recordings: list[Rec
     [pytest.param(slug, marks=() if slug in QUICK else pytest.mark.long) for slug in EXERCISES],
 )
 def test_no_message_breaks_a_check(
-    slug: str, forkservers: ForkServerPool, pytestconfig: pytest.Config
+    slug: str,
+    forkservers: ForkServerPool,
+    recordings: KeptRecordings,
+    pytestconfig: pytest.Config,
 ) -> None:
     pytestconfig.addinivalue_line("markers", "check: a check of the grader")
     exercise = next(exercise for exercise in all_exercises() if exercise.slug == slug)
     checks = [check for check in core_checks(exercise) if is_judged_here(check)]
-    recorded = recordings_of(exercise, forkservers.of(exercise.libraries), checks)
+    servers = forkservers.of(exercise.libraries)
+    recorded = recordings_of(exercise, servers, checks, recordings)
 
     def every_check_judges(recordings: dict[str, Recording], of: str = "") -> None:
         for check in checks:
