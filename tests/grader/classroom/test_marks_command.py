@@ -85,6 +85,7 @@ def test_a_preview_writes_nothing(course: Course, graded: Path) -> None:
         ("marks late --per-day 10 --all --times nowhere.csv", "cannot read"),
         ("marks late --per-day 10 --all --deadline soon", "expected a time"),
         ("marks late --per-day 10 --all --deadline 2026-05-04", "expected the time of day, too"),
+        ("marks late --per-day 10 --all --zone Mars", "expected a time zone"),
         ("marks late --per-day nan --all", "expected a number from 0 to 100, such as 8.5"),
         ("marks late --per-day 10% --all", "expected a number from 0 to 100"),
         ("marks late --per-day 10 --cap nan --all", "expected a number from 0 to 100"),

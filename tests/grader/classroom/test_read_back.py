@@ -40,7 +40,10 @@ TEXTS = (
 )  # fmt: skip
 FLOATS = (math.nan, math.inf, -math.inf, -0.0, 1e308, -1e308, 5e-324)
 WHOLE = (0, -1, 2**63, 10**30, 10**400)
-VALID = {"exercise": SLUG, "check": "slow_zone", "file": FILE, "zone": "UTC", "whom": ANN}
+VALID = {
+    "exercise": SLUG, "check": "slow_zone", "file": FILE, "zone": "UTC", "whom": ANN,
+    "deadline": "2026-05-04T23:59+02:00", "times": {"ann": "2026-05-06T10:00+02:00"},
+}  # fmt: skip
 REQUEST = "Student: {}\nExercise: {}\nCheck: {}\nMoment: {}\nPlease look at: {}\n"
 ASKED = ("ann", SLUG, "slow_zone", "2 s", "it is right")
 
@@ -80,7 +83,9 @@ def every_change() -> Iterator[Change]:
     """Yield a change of each kind, and then with each field at each edge."""
     for kind in get_args(Change):
         types = get_type_hints(kind)
-        base = {name: VALID.get(name, next(edges(of))) for name, of in types.items()}
+        base: dict[str, Any] = {
+            name: VALID.get(name, next(edges(of))) for name, of in types.items()
+        }
         for name, of in types.items():
             for each in edges(of):
                 if kind is changes.Request and not getattr(each, "students", True):
@@ -280,12 +285,13 @@ def test_each_field_of_each_form(
 def test_an_entry_that_cannot_be_read_is_named_and_can_be_undone(
     graded: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Version 1.0.0 took a grace of 400 digits, and wrote null."""
+    """Version 1.0.0 took a grace of 400 digits, and wrote null; without a deadline, any zone."""
     late = ("marks", "late", str(graded), "--all", "--per-day", "10", "--why", "x")
     assert run([*late, "--deadline", "2026-05-04T23:59", "--grace", f"{MANY}min"]) == 2
     assert "expected a time span such as 15min, 2h or 1d, at most 366d" in capsys.readouterr().err
     with marking(graded) as class_:
         class_.add(changes.Score(SLUG, 50, ANN), "prof", "x")
+        class_.store.log(changes.Late(SLUG, 10, zone="Mars"), "prof", "x")
         text = msgspec.json.encode(changes.Late(SLUG, 10, grace=math.inf)).decode()
         class_.store._db.execute(
             "INSERT INTO amendments (at, who, what, why) VALUES ('', 'prof', ?, 'x')", (text,)
@@ -294,12 +300,12 @@ def test_an_entry_that_cannot_be_read_is_named_and_can_be_undone(
         at, entry = [*command.split(), str(graded)], ["1"] if command == "marks undo" else []
         assert run([*at, *entry, *(["--why", "x"] if entry else [])]) == 2
         said = capsys.readouterr().err
-        assert "entry 2 of the log of marks can't be read" in said
-        assert "`course marks undo FOLDER 2 --why" in said
-    assert run(["marks", "undo", str(graded), "2", "--why", "can't be read"]) == 0
+        assert "entry 3 of the log of marks can't be read" in said
+        assert "`course marks undo FOLDER 3 --why" in said
+    assert run(["marks", "undo", str(graded), "3", "--why", "can't be read"]) == 0
     assert run(["report", str(graded)]) == 0
     said = capsys.readouterr().out
-    assert "[undone by 3]" in said
+    assert "[undone by 4]" in said
     assert "can't be read: Expected `float`, got `null` - at `$.grace`" in said
     assert points(graded)["ann"] == "50"
 
