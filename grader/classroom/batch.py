@@ -178,7 +178,6 @@ class _Writer:
             account=self.taken_in.account,
             students=self.store.students(),
             roster=self.options.roster,
-            nbgrader=self.options.nbgrader,
             columns=column_titles(self.options.columns),
         )
         self.store.keep(OPTIONS, kept_text(wanted))

@@ -34,7 +34,6 @@ class Options:
     again: tuple[str, ...] = ()  # students whose nodes run once more
     only: tuple[str, ...] = ()  # students whose recordings are judged again; (): all
     roster: Roster = NOBODY  # with it everybody in it has a row
-    nbgrader: Path | None = None  # a gradebook of nbgrader's that gets the scores
     add: bool = False  # to what is graded; who isn't in these downloads stays as they are
     drop: bool = False  # who isn't in them
     earlier: tuple[Path, ...] = ()  # folders of earlier years, to compare with

@@ -45,11 +45,6 @@ EVERYBODY = "\0everybody"  # no student is called so
     type=click.Path(path_type=Path, exists=True),
     help="An earlier year's downloads or graded folder, to look for likeness. May be repeated.",
 )
-@click.option(
-    "--nbgrader",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="Write the points into this gradebook.db of nbgrader's, too.",
-)
 @click.option("--list", "only_list", is_flag=True, help="Say who handed in what; grade nothing.")
 @click.option("--add", is_flag=True, help="Keep who is graded and not in SUBMISSIONS.")
 @click.option("--drop", is_flag=True, help="Forget who is graded and not in SUBMISSIONS.")
@@ -125,10 +120,6 @@ def autograde(
 
     ResultOptions(hide=options["hide"] or "nothing")  # refuses unknown words before the work
     column_titles(options["columns"])
-    if options["nbgrader"] is not None:
-        from grader.nbgrader.class_scores import check_available  # noqa: PLC0415
-
-        check_available()
     chosen = Options(
         secret=None if secret is None else read_secret(secret),
         bags=not no_bags,

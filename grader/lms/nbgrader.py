@@ -17,7 +17,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from grader.course.submission import read_regular_file
-from grader.lms.book import Book, Mark, Task
 from grader.lms.folders import LITTER
 from grader.lms.names import may_enter
 from grader.lms.platform import Entry, Platform, Read, SetAside, Who
@@ -148,27 +147,6 @@ def _latest(found: Read) -> Read:
     )
     found.entries[:] = [entry for entry in found.entries if id(entry) in kept]
     return found
-
-
-def write_into(db: Path, book: Book, tasks: Sequence[Task]) -> None:
-    """Write the points into nbgrader's own gradebook."""
-    from grader.nbgrader.class_scores import Score, write_scores  # noqa: PLC0415  (an extra)
-
-    scores = [
-        Score(
-            _id(mark), task.slug, points, task.points, mark.row.person.label,
-            mark.row.person.ids.get("email", ""),
-        )
-        for task in tasks
-        for mark, points in book.marks(task)
-    ]  # fmt: skip
-    write_scores(db, scores)
-
-
-def _id(mark: Mark) -> str:
-    mine = mark.handed.system == "nbgrader"
-    id_ = mark.handed.id if mine else mark.row.person.ids.get("login", "")
-    return id_ or mark.student
 
 
 PLATFORM = Platform("nbgrader", read)

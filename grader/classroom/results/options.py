@@ -22,7 +22,7 @@ from grader.lms.people import NOBODY, Roster
 
 HIDE = ("nothing", "field", "worlds", "details")  # what each hides: grader.grading.withheld
 OPTIONS = "options"  # what the store calls what is kept of these
-KEPT = ("hide", "title", "notes", "account", "roster", "nbgrader", "columns")
+KEPT = ("hide", "title", "notes", "account", "roster", "columns")
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,6 @@ class ResultOptions:
     account: Account = field(default_factory=Account)  # what became of each file
     students: Mapping[str, StudentRow] = field(default_factory=dict)  # by `StoredResult.student`
     roster: Roster = NOBODY
-    nbgrader: Path | None = None  # a gradebook of nbgrader's that gets the scores
     columns: Mapping[str, str] = field(default_factory=dict)  # slug: title in the gradebook
     log: Sequence[Entry] = ()  # of what people have changed
     published: Collection[tuple[str, str]] | None = None  # pages; None: nothing was published yet

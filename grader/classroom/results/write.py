@@ -25,7 +25,6 @@ from grader.link.interpreter import own_processes
 from grader.lms import PLATFORMS
 from grader.lms.book import Book, Task
 from grader.lms.clean import one_line
-from grader.lms.nbgrader import write_into
 
 CLASS_PAGE = "class.html"
 PUBLISHED = "published"  # the folder
@@ -114,9 +113,6 @@ def _write_gradebooks(book: Book, tasks: Tasks, options: ResultOptions, done: Wr
         with done.part(f"{platform.name}'s files"):
             for name, text in platform.gradebook(book, tasks).items():
                 done.text(name, text)
-    if options.nbgrader is not None:
-        with done.part(f"nbgrader's gradebook {options.nbgrader}"):
-            write_into(options.nbgrader, book, tasks)
 
 
 def _write_feedback_zips(book: Book, tasks: Tasks, options: ResultOptions, done: Written) -> None:

@@ -26,9 +26,7 @@ from grader.errors import InputError
 from grader.lms.book import Book, Handed, StudentRow
 from grader.lms.canvas import canvas_csv
 from grader.lms.moodle import worksheet_csv
-from grader.lms.people import Person
 from grader.lms.sheets import read_roster
-from grader.nbgrader.class_scores import write_scores
 
 SLUG = "obstacle_avoidance"
 (TASK,) = tasks_of([result("ann")])
@@ -226,34 +224,6 @@ def test_moodle_takes_the_feedback_back(tmp_path: Path, assignment: MoodleAssign
     assert assignment.files.keys() == {"ann", "bob", "cy"}
     folder = tmp_path / "out" / "feedback" / "=Bob Ray"
     assert assignment.files["bob"] == {f"{SLUG}.html": (folder / f"{SLUG}.html").read_bytes()}
-
-
-# --- nbgrader ------------------------------------------------------------------------------------
-
-
-@pytest.mark.long  # nbgrader takes a while to import
-def test_nbgraders_own_gradebook(tmp_path: Path) -> None:
-    api = pytest.importorskip("nbgrader.api")
-    db = tmp_path / "gradebook.db"
-    ids = {"login": "alee", "email": "a@uni.edu"}
-    students = {"ann": StudentRow("ann", Person("Ann Lee", ids=ids))}
-    write_scores(db, [])  # makes it
-    with api.Gradebook(f"sqlite:///{db}") as book:
-        book.add_student("alee", last_name="Kept")
-        book.add_assignment("week1")
-    options = ResultOptions(students=students, nbgrader=db)
-    for points in (60, 70):
-        done = write_results([graded("ann", points), absent("bob")], tmp_path / "out", options)
-        assert done.missing == []
-    with api.Gradebook(f"sqlite:///{db}") as book:
-        found = book.find_submission(SLUG, "alee")
-        assert (found.score, found.max_score) == (70.0, 100.0)
-        assert (found.student.first_name, found.student.last_name) == ("Ann", "Kept")
-        assert [s.id for s in book.students] == ["alee"]
-        assert {a.name for a in book.assignments} == {"week1", SLUG}
-        book.add_notebook("01_loop", SLUG)
-    (missing,) = write_results([graded("ann")], tmp_path / "out", options).missing
-    assert "give another file to --nbgrader" in str(missing)
 
 
 @pytest.mark.parametrize(
