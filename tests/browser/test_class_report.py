@@ -94,31 +94,12 @@ def test_axe_has_nothing_to_say(
 ) -> None:
     own = folder / "feedback" / "ada"
     pages = [folder / "class.html", own / "index.html", own / "goal_seeking.html"]
-    pages += sorted((folder / "checks" / SLUG).iterdir())[:1]
     pages += sorted((folder / "likeness" / SLUG).iterdir())[:1]
     for file in pages:
         size = {"width": width, "height": 900}
         page = open_file(file, color_scheme=scheme, bypass_csp=True, viewport=size)
         assert axe(page) == []
         assert page.evaluate("document.documentElement.scrollWidth") <= width
-
-
-def test_the_most_failed_check_leads_to_its_replays(open_file: OpenFile, folder: Path) -> None:
-    page = open_file(folder / "class.html", viewport={"width": 1400, "height": 900})
-    page.locator(f"#exercise-{SLUG} tbody a").first.click()
-    check = page.url.rpartition("/")[2].removesuffix(".html")
-    names = page.locator("tbody th[scope=row]").all_inner_texts()
-    assert len(names) > 2
-    frames = [page.frame(name=side) for side in ("left", "right")]
-    titles = [frame.locator("h1").inner_text() for frame in frames]
-    assert titles[0] != titles[1]
-    other = next(name for name in names if name in classes.NAMES and name not in titles)
-    page.get_by_role("link", name=f"{other} on the right").click()
-    page.frame_locator("[name=right]").locator("h1", has_text=other).wait_for()
-    assert page.frame(name="right").url.endswith(f"#check={check}")
-    assert page.frame(name="left").locator("h1").inner_text() == titles[0]
-    page.get_by_role("link", name="Class report").click()
-    assert page.url.endswith(f"class.html#exercise-{SLUG}")
 
 
 def test_a_frame_opens_at_the_moment_of_its_check(open_file: OpenFile, tmp_path: Path) -> None:

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 from grader.classroom import marks
 from grader.classroom.amendments.log import described, undone_by
-from grader.classroom.results.check_pages import page_of
-from grader.classroom.results.items import ENOUGH, Distribution, Item, distribution, item_analysis
+from grader.classroom.results.items import Distribution, Item, distribution, failures
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.page import render
 from grader.classroom.results.similarity import Alike
@@ -52,8 +51,6 @@ def class_page(
         "class.html",
         f"{options.title}: class report",
         options=options,
-        enough=ENOUGH,
-        check_page=page_of,
         missing=missing,
         facts=_facts(results, tasks, len(held)),
         held=held,
@@ -120,7 +117,7 @@ def _exercise(results: Results, task: Task, options: ResultOptions) -> _Exercise
         graded,
         distribution(mine, task),
         len(judged),
-        sorted(item_analysis(judged), key=lambda item: -item.failed),
+        sorted(failures(judged), key=lambda item: -item.failed),
         f"{sum(map(bool, ready))} of {asked}" if asked else NOTHING,
         options.alike.get(task.slug),
     )

@@ -21,19 +21,15 @@ DESK = Path(__file__).resolve().parents[1] / "desk" / "templates"
 TOKENS = Path(__file__).resolve().parents[2] / "report" / "player" / "tokens.css"
 
 
-def render(
-    template: str, title: str, *, frames: bool = False, desk: bool = False, **about: object
-) -> str:  # fmt: skip
+def render(template: str, title: str, *, desk: bool = False, **about: object) -> str:
     """Return the HTML of a page, in pure ASCII, so that it survives any transport.
 
-    Text is escaped. With `frames` the page may show other pages of this folder. A page of the
-    `desk` may send forms to its server, and show its other pages.
+    Text is escaped. A page of the `desk` may send forms to its server, and show its other pages.
     """
     style, digest = _style(desk=desk)
     policy = (
         f"default-src 'none'; style-src 'sha256-{digest}'; img-src data:; base-uri 'none'; "
         + ("form-action 'self'; frame-src 'self'" if desk else "form-action 'none'")
-        + ("; frame-src 'self' file:" if frames else "")
     )
     html = (
         _environment()
@@ -60,7 +56,6 @@ def _environment() -> Environment:
         "plural": words.plural,
         "points": words.points,
         "points_of": marks.points_of,
-        "signed": words.signed,
         "so_far": marks.so_far,
         "state": marks.state_of,
         "url": quote,

@@ -23,11 +23,6 @@ def points(value: float | None) -> str:
     return NOTHING if value is None else f"{value:.1f}".removesuffix(".0")
 
 
-def signed(value: float | None) -> str:
-    """Return a correlation with its sign."""
-    return NOTHING if value is None else f"{value:+.2f}".replace("-", "\N{MINUS SIGN}")
-
-
 def plural(n: int, word: str) -> str:
     return f"{n} {word}" if n == 1 else f"{n} {word}s"
 

@@ -12,7 +12,6 @@ from itertools import groupby, product
 from pathlib import Path
 
 from grader.classroom.marks import as_shown, checks_of, is_graded, task_of, tasks_of
-from grader.classroom.results.check_pages import CHECKS, check_pages
 from grader.classroom.results.class_page import class_page
 from grader.classroom.results.feedback import index_page, lost_page, write_page
 from grader.classroom.results.files import replacing, write_text
@@ -28,6 +27,7 @@ from grader.lms.clean import one_line
 
 CLASS_PAGE = "class.html"
 PUBLISHED = "published"  # the folder
+GONE = ("checks",)  # folders of version 1.0.0: nothing renews them
 BOM = "\ufeff"  # without it Excel doesn't read the file as UTF-8
 MANY = 20  # students; for fewer, starting more processes does not pay
 ENDED = (
@@ -87,10 +87,8 @@ def write_results(
     _write_feedback_zips(book, tasks, options, done)
     with done.part("the published feedback"):
         _write_published(known, options, done, same)
-    shutil.rmtree(out / CHECKS, ignore_errors=True)
-    with done.part(CHECKS):
-        for name, text in check_pages(known, tasks, options):
-            done.text(name, text)
+    for gone in GONE:
+        shutil.rmtree(out / gone, ignore_errors=True)
     tables = sorted(
         path.relative_to(out).as_posix() for path in done.files if path.suffix in (".csv", ".zip")
     )
