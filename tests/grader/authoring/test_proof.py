@@ -29,7 +29,7 @@ from grader.grading.plugin import UNAVAILABLE, CheckResult
 from grader.host.frames import Note
 from grader.link.pool import ForkServerPool
 from grader.trial.kept import KeptRecordings
-from grader.trial.trials import NodeTrials, SavedTrials
+from grader.trial.trials import NodeTrials, SavedTrials, _trainings
 from sim.scenario_files import load_scenario
 
 CLAIMS = {exercise.slug: list(claims(exercise)) for exercise in all_exercises()}
@@ -115,7 +115,7 @@ def fails(
         return True
     scenarios = {name: load_scenario(name) for name in names}
     order = sorted(names, key=lambda name: scenarios[name].duration)
-    alone = not any(each.training or each.node.models for each in scenarios.values())
+    alone = not any(map(_trainings, scenarios.values()))  # or a model is another's than its node
     for count in range(1 if alone else len(order), len(order) + 1):
         own = {name: wrong.get(name) for name in order[:count]}
         runs = [own.get(name) or right.get(name) for name in names]
