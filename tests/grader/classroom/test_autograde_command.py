@@ -6,10 +6,10 @@ from pathlib import Path
 
 from command_line import course
 
-from grader.course.exercises import SOLUTIONS
+from grader.course.exercises import SOLUTIONS, find_exercise
 
 AGENT = "obstacle_avoidance_agent.py"
-MEMORY = "trend_agent.py"
+(LIVE,) = find_exercise("live_parameters").files
 ROSTER = 'Student,ID,SIS Login ID,Section\n"Lee, Carla",12345,clee,A\n"Ray, Bo",2,b,B\n'
 
 
@@ -22,8 +22,8 @@ def look(*arguments: object) -> tuple[int, str]:
 def test_from_a_download_to_the_gradebook(tmp_path: Path) -> None:
     week, out = tmp_path / "week", tmp_path / "out"
     week.mkdir()
-    work = (SOLUTIONS / "trend_memory" / MEMORY).read_bytes()
-    (week / f"leecarla_12345_678901_{MEMORY}").write_bytes(work)
+    work = (SOLUTIONS / "live_parameters" / LIVE).read_bytes()
+    (week / f"leecarla_12345_678901_{LIVE}").write_bytes(work)
     (tmp_path / "class.csv").write_text(ROSTER)
     options = ("--roster", tmp_path / "class.csv", "--out", out, "--canaries", 0, "--trust")
     code, said = look(week, *options)
@@ -33,7 +33,7 @@ def test_from_a_download_to_the_gradebook(tmp_path: Path) -> None:
     assert [(row["name"], row["state"], row["points"]) for row in rows] == [
         ("Bo Ray", "not handed in", ""), ("Carla Lee", "graded", "100")
     ]  # fmt: skip
-    assert '"Lee, Carla",12345,clee,A,100' in (out / "canvas" / "trend_memory.csv").read_text()
+    assert '"Lee, Carla",12345,clee,A,100' in (out / "canvas" / "live_parameters.csv").read_text()
 
 
 def test_a_look_at_what_was_handed_in(tmp_path: Path) -> None:

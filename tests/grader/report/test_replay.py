@@ -3,7 +3,10 @@ from __future__ import annotations
 import base64
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -158,3 +161,19 @@ def test_failing_moments_are_those_of_the_scenario() -> None:
     moments = moments_of(checks, "one")
     assert [moment["check"] for moment in moments] == ["early", "late"]
     assert moments[0] == {"t": 1.0, "check": "early", "outcome": "fail", **common}
+
+
+def test_a_report_opens_at_the_failure_and_plays_from_the_keyboard(
+    recording: Recording, open_file: Callable[..., Any], tmp_path: Path
+) -> None:
+    """The one of a report that `make test` opens in a browser; all others: tests/browser."""
+    file = tmp_path / "report.html"
+    file.write_text(page_html(page_payload(None, [recording], "A run")), "utf-8")
+    page = open_file(file)
+    assert page.locator("canvas.map").is_visible()
+    page.keyboard.press("End")
+    assert page.evaluate("window.replayPlayer.time") == pytest.approx(6.0)
+    at_the_wall = page.evaluate("document.querySelector('canvas.map').toDataURL()")
+    page.keyboard.press("Home")
+    assert page.evaluate("window.replayPlayer.time") == 0.0
+    assert page.evaluate("document.querySelector('canvas.map').toDataURL()") != at_the_wall
