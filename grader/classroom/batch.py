@@ -9,24 +9,21 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import msgspec
-
 from grader.classroom.account import Account
 from grader.classroom.amendments.people import the_student
 from grader.classroom.candidates import Class, find_class
 from grader.classroom.entering import enter_candidates, known_of
-from grader.classroom.folder import ALIKE, STORE, locked, write_class
+from grader.classroom.folder import STORE, locked, write_class
 from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.intake.whose import NOTHING_KNOWN
 from grader.classroom.options import Options, refuse_another
 from grader.classroom.progress import Progress
 from grader.classroom.results.options import OPTIONS, ResultOptions, column_titles, kept_text
-from grader.classroom.results.pair_pages import write_likeness
-from grader.classroom.results.similarity import Sources
+from grader.classroom.results.sources import SOURCES, write_course, write_sources
 from grader.classroom.results.write import Written
 from grader.classroom.row import StoredResult
 from grader.classroom.store import Store
-from grader.errors import InputError, naming_a_full_disk
+from grader.errors import naming_a_full_disk
 from grader.link.scratch import sweep
 
 NO_SPACE = (
@@ -99,7 +96,7 @@ def autograde(
             store.retry_held()
         if not regrade:
             store.again(key for key in taken_in.candidates if key[0] in only)
-        writer = _Writer(store, out, options, taken_in, _earlier(options.earlier))
+        writer = _Writer(store, out, options, taken_in)
         writer.wanted()
         candidates = {
             key: candidate
@@ -124,34 +121,6 @@ def autograde(
         return GradedClass(results, written.missing, taken_in.account)
 
 
-def _earlier(folders: Sequence[Path]) -> dict[tuple[str, str], dict[str, bytes]]:
-    """Return what was handed in in earlier years: to downloads, or to classes graded here.
-
-    Raises InputError: a folder is neither.
-    """
-    found: dict[tuple[str, str], dict[str, bytes]] = {}
-    for folder in folders:
-        if (folder / STORE).is_file():
-            with Store(folder / STORE) as store:
-                texts = {row.key: store.texts(row.key) for row in store.results()}
-        else:
-            with tempfile.TemporaryDirectory(prefix="course-") as scratch:
-                texts = _sources(find_class([folder], Path(scratch), Options()))
-        if not any(texts.values()):
-            raise InputError(
-                f"--earlier {folder}: expected what a class handed in, or the folder that "
-                "`course autograde` made of it, with students' files kept (run it once more there)"
-            )
-        found |= {(f"{folder.name}/{who}", slug): files for (who, slug), files in texts.items()}
-    return found
-
-
-def _sources(taken_in: Class) -> dict[tuple[str, str], dict[str, bytes]]:
-    """Return the Python of everybody who handed in, a group's once."""
-    every = taken_in.candidates.items()
-    return {key: each.texts() for key, each in every if not each.absent and not each.leader}
-
-
 def _students(words: Sequence[str], store: Store, taken_in: Class) -> set[str]:
     """Return the students who are meant; none if nobody is named."""
     everybody = sorted({student for student, _ in taken_in.candidates})
@@ -167,7 +136,6 @@ class _Writer:
     out: Path
     options: Options
     taken_in: Class
-    earlier: Sources
 
     def wanted(self, notes: Sequence[str] = ()) -> ResultOptions:
         """Return how results are written, and keep it: marks change later, also after a kill."""
@@ -186,13 +154,26 @@ class _Writer:
     def write(
         self, notes: Sequence[str], *, over: bool = False
     ) -> tuple[list[StoredResult], Written]:
-        """Write all results; submissions are compared with each other only when all is over."""
+        """Write all results; what was handed in is copied only when all is over."""
         wanted = self.wanted(notes)
-        if over and not self.taken_in.kept:  # whose files are not here
-            sources = _sources(self.taken_in)
-            alike = write_likeness(self.out, sources, self.earlier, wanted.title)
-            self.store.keep(ALIKE, msgspec.json.encode(alike).decode())
-        return write_class(self.store, self.out, wanted)
+        results, written = write_class(self.store, self.out, wanted)
+        if over:
+            self._write_sources(written)
+        return results, written
+
+    def _write_sources(self, written: Written) -> None:
+        """Copy everybody's files, a group's once; of who is kept, files are not here."""
+        folder, slugs = self.out / SOURCES, set()
+        if not self.taken_in.kept:
+            shutil.rmtree(folder, ignore_errors=True)
+        for (student, slug), candidate in self.taken_in.candidates.items():
+            if not candidate.absent and not candidate.leader:
+                slugs.add(slug)
+                with written.part(f"{SOURCES}/{slug}/{student}"):
+                    files, _ = candidate.read()
+                    written.files.extend(write_sources(folder, student, slug, files))
+        with written.part(SOURCES):
+            write_course(folder, slugs)
 
 
 @contextlib.contextmanager

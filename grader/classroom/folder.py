@@ -9,20 +9,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import msgspec
-
 from grader.classroom.amendments.apply import amended, published
 from grader.classroom.amendments.log import active
 from grader.classroom.results.options import ResultOptions
-from grader.classroom.results.similarity import Alike
 from grader.classroom.results.write import Written, write_results
 from grader.classroom.row import StoredResult
 from grader.classroom.store import Store
 from grader.errors import GraderError, InputError
 
 STORE = "store.sqlite"
-ALIKE = "likeness"  # what the store calls it
-UNWRITTEN = "unwritten"  # and that not all results are: somebody is at it, was killed, or failed
+# What the store calls it that not all results are written: somebody is at it, was killed, or failed
+UNWRITTEN = "unwritten"
 
 
 @contextlib.contextmanager
@@ -75,7 +72,6 @@ def write_class(
     wanted = replace(
         options,
         notes=[*options.notes, *(f"{remark}." for remark in remarks)],
-        alike=msgspec.json.decode(store.kept(ALIKE) or "{}", type=dict[str, Alike]),
         log=log,
         published=published(counting, results, options.students),
     )

@@ -6,7 +6,6 @@ import hashlib
 import hmac
 import json
 from dataclasses import dataclass
-from pathlib import Path
 
 from grader.classroom.results.options import OPTIONS
 from grader.classroom.store import Store
@@ -36,7 +35,6 @@ class Options:
     roster: Roster = NOBODY  # with it everybody in it has a row
     add: bool = False  # to what is graded; who isn't in these downloads stays as they are
     drop: bool = False  # who isn't in them
-    earlier: tuple[Path, ...] = ()  # folders of earlier years, to compare with
     columns: tuple[str, ...] = ()  # "EXERCISE=TITLE": the gradebook's column of an exercise
 
 

@@ -39,12 +39,6 @@ EVERYBODY = "\0everybody"  # no student is called so
 @click.option(
     "--column", "columns", multiple=True, metavar="EXERCISE=TITLE", help="The gradebook's column."
 )
-@click.option(
-    "--earlier",
-    multiple=True,
-    type=click.Path(path_type=Path, exists=True),
-    help="An earlier year's downloads or graded folder, to look for likeness. May be repeated.",
-)
 @click.option("--list", "only_list", is_flag=True, help="Say who handed in what; grade nothing.")
 @click.option("--add", is_flag=True, help="Keep who is graded and not in SUBMISSIONS.")
 @click.option("--drop", is_flag=True, help="Forget who is graded and not in SUBMISSIONS.")

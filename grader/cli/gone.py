@@ -8,6 +8,8 @@ from collections.abc import Sequence
 GONE = {
     ("delay", ""): "course delay is gone; set command_latency, scan_latency and odom_latency of "
     "[faults] in a scenario, and try it with course drive",
+    ("autograde", "--earlier"): "--earlier is gone; sources/ has what was handed in, for Dolos or "
+    "JPlag, which compare it with an earlier year's, too (docs/grading-a-class.md)",
     ("autograde", "--nbgrader"): "--nbgrader is gone; nbgrader autograde writes the judge's points "
     "into its own gradebook (notebooks/README.md), and scores.csv has them for any other",
 }

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import random
-import tempfile
-from pathlib import Path
 from typing import Any
 
 from grader.classroom.results.options import ResultOptions
-from grader.classroom.results.pair_pages import write_likeness
 from grader.classroom.row import GRADED, HELD, StoredResult
 from grader.lms.names import student_id
 
@@ -94,10 +91,10 @@ def stored(student: str, slug: str, made: dict[str, Any] | None, **parts: Any) -
     )  # fmt: skip
 
 
-def whole_class(out: Path | None = None) -> tuple[list[StoredResult], ResultOptions]:
-    """26 students and a few odd ones, with sources of which some are copied; pairs in `out`."""
+def whole_class() -> tuple[list[StoredResult], ResultOptions]:
+    """26 students and a few odd ones."""
     chance = random.Random(1)
-    results, sources = [], {}
+    results = []
     for index, student in enumerate(map(student_id, (*NAMES, HOSTILE, LONG))):
         ability = chance.gauss(0.6, 1.1)
         for slug in ("obstacle_avoidance", "goal_seeking"):
@@ -106,7 +103,6 @@ def whole_class(out: Path | None = None) -> tuple[list[StoredResult], ResultOpti
             made = grading(slug, ability, chance)
             wall = round(1.4 + chance.expovariate(1.5), 2)
             results.append(stored(student, slug, made, wall_s=wall))
-            sources[student, slug] = {f"{slug}_agent.py": program(index)}
     results[3] = stored(
         "ben",
         "goal_seeking",
@@ -135,25 +131,4 @@ def whole_class(out: Path | None = None) -> tuple[list[StoredResult], ResultOpti
         HOSTILE,
     ]
     title = "Robotics 2, summer"
-    earlier = {("2025/zoe", slug): files for (who, slug), files in sources.items() if who == "wei"}
-    sources["yusuf", "obstacle_avoidance"] = {"obstacle_avoidance_agent.py": b"def ("}
-    with tempfile.TemporaryDirectory() as nobodys:
-        alike = write_likeness(out or Path(nobodys), sources, earlier, title)
-    return results, ResultOptions(title=title, notes=notes, alike=alike)
-
-
-def program(index: int) -> bytes:
-    """A file of its own for each student, but for three copies with other names and comments."""
-    copied = index in (5, 11, 19)
-    own = random.Random(5 if copied else index)
-    lines = ["import rclpy", "class Agent:"]
-    for part in range(12):
-        name = f"{'theirs' if index == 11 else 'part'}_{part}"
-        lines.append(f"    def {name}(self, scan):  # {index}")
-        for _ in range(6):
-            operator, word = own.choice("+-*/%@"), own.choice(("if", "while", "return", "assert"))
-            lines.append(
-                f"        {word} scan {operator} {own.random():.3f}"
-                + (": pass" if word in ("if", "while") else "")
-            )
-    return "\n".join(lines).encode()
+    return results, ResultOptions(title=title, notes=notes)

@@ -11,7 +11,6 @@ from grader.classroom.amendments.log import described, undone_by
 from grader.classroom.results.items import Distribution, Item, distribution, failures
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.page import render
-from grader.classroom.results.similarity import Alike
 from grader.classroom.results.words import NOTHING, moment, plural
 from grader.classroom.row import RUNNING, WAITING, StoredResult
 from grader.lms.book import Task
@@ -33,7 +32,6 @@ class _Exercise:
     judged: int  # gradings that the items are of
     items: Sequence[Item]  # the most failed first
     ready: str  # how many are field-ready
-    alike: Alike | None
 
 
 def class_page(
@@ -119,7 +117,6 @@ def _exercise(results: Results, task: Task, options: ResultOptions) -> _Exercise
         len(judged),
         sorted(failures(judged), key=lambda item: -item.failed),
         f"{sum(map(bool, ready))} of {asked}" if asked else NOTHING,
-        options.alike.get(task.slug),
     )
 
 

@@ -14,7 +14,6 @@ import msgspec
 
 from grader.classroom.account import Account
 from grader.classroom.amendments.log import Entry
-from grader.classroom.results.similarity import Alike
 from grader.course.exercises import find_exercise
 from grader.errors import InputError
 from grader.lms.book import StudentRow
@@ -32,7 +31,6 @@ class ResultOptions:
     hide: str = "nothing"  # one of HIDE, or several with commas: "field,worlds"
     title: str = "Bridging Python agents with rclpy"  # of the course
     notes: list[str] = field(default_factory=list)  # the batch's notes, a sentence each
-    alike: Mapping[str, Alike] = field(default_factory=dict)  # by exercise, if compared
     files: Sequence[str] = ()  # the tables and zips beside the report
     workers: int = 1  # processes that make the feedback pages
     account: Account = field(default_factory=Account)  # what became of each file

@@ -27,7 +27,7 @@ from grader.lms.clean import one_line
 
 CLASS_PAGE = "class.html"
 PUBLISHED = "published"  # the folder
-GONE = ("checks",)  # folders of version 1.0.0: nothing renews them
+GONE = ("checks", "likeness")  # folders of version 1.0.0: nothing renews them
 BOM = "\ufeff"  # without it Excel doesn't read the file as UTF-8
 MANY = 20  # students; for fewer, starting more processes does not pay
 ENDED = (

@@ -12,8 +12,6 @@ from handing_in import put, taken
 from grader.classroom.candidates import find_class
 from grader.classroom.intake.exercise_files import find_files
 from grader.classroom.options import Options
-from grader.classroom.results.similarity import compared, parts_of
-from grader.course.exercises import find_exercise
 
 SLUG = "obstacle_avoidance"
 NODE = {FILE: b"import kit.eyes", "kit/eyes.py": b"1", "kit/a.yaml": b"2"}
@@ -86,18 +84,3 @@ def test_a_notebooks_cells_and_what_lies_beside_it(tmp_path: Path) -> None:
     put(tmp_path / "in" / "ann", **{"a.ipynb": book, "model.onnx": "m"})
     (student,) = taken(tmp_path / "in").students
     assert set(find_files(student, [FILE]).every) == {FILE, "eyes.py", "model.onnx"}
-
-
-def test_what_lies_in_modules_is_compared(tmp_path: Path) -> None:
-    """A solution that is cut into modules of a package is the same solution."""
-    exercise = find_exercise(SLUG)
-    whole = (exercise.solutions / FILE).read_bytes()
-    lines = whole.splitlines(keepends=True)
-    half = lines.index(b"class ObstacleAvoidanceAgent(Node):\n")
-    first, second = b"".join(lines[:half]), b"".join(lines[half:])
-    cut = {"setup.py": b"x", f"ann/{FILE}": first, "ann/rest.py": second, "c.yaml": b"x"}
-    texts = {"ann": parts_of(cut, [FILE]), "ben": parts_of({FILE: whole}, [FILE])}
-
-    found = compared(texts, {}, SLUG)
-    assert [group.students for group in found.groups] == [("ann", "ben")]
-    assert {pair.left for pair in found.taken} == {"ann", "ben"}

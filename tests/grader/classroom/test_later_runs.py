@@ -11,7 +11,7 @@ from fake_class import FILE, SLUG, fair
 from handing_in import put
 from marked_class import give, points, scores
 
-from grader.course.exercises import find_exercise
+from grader.classroom.results.sources import write_sources
 from grader.errors import InputError
 from grader.lms.people import Roster
 from grader.lms.sheets import read_roster
@@ -102,24 +102,28 @@ def test_a_mark_follows_who_hands_in_later(
     assert "is about somebody who is not in the class: Nob Zed" in (out / "class.html").read_text()
 
 
-def test_earlier_years_are_downloads_or_classes_graded_here(
+def test_what_was_handed_in_lies_whole_in_a_folder_for_each_student(
     grade_class: Any, handed_in: Path, tmp_path: Path
 ) -> None:
-    """Ann hands in what Bob handed in last year, with other names."""
-    source = (find_exercise(SLUG).solutions / "variants" / "compact.py").read_bytes()
-    (handed_in / "bob" / FILE).write_bytes(source)
+    """Also what likeness once left out: an __init__, a test, text that is executed."""
+    package = {"lib/__init__.py": "def node(): ...\n", "test_it.py": "x = 1\n", "agent.txt": "y\n"}
+    put(handed_in, **{f"bob/{name}": text for name, text in package.items()})
     grade_class()
-    last_year, download = tmp_path / "2025", tmp_path / "2024"
-    (tmp_path / "out").rename(last_year)
-    handed_in.rename(download)
-    (handed_in / "ann").mkdir(parents=True)
-    (handed_in / "ann" / FILE).write_bytes(source.replace(b"readings", b"mine"))
-    for folder in (last_year, download):
-        grade_class(earlier=(folder,))
-        (page,) = (tmp_path / "out" / "likeness" / SLUG).glob("1.html")
-        said = (tmp_path / "out" / "class.html").read_text("utf-8")
-        assert f"likeness/{SLUG}/1.html" in said
-        assert "mine.append" in page.read_text("utf-8")
-    (tmp_path / "empty" / "ann").mkdir(parents=True)
-    with pytest.raises(InputError, match="empty"):
-        grade_class(earlier=(tmp_path / "empty",))
+    folder = tmp_path / "out" / "sources" / SLUG
+    texts = {file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file()}
+    assert {f"class/bob/{name}" for name in (FILE, *package)} | {f"class/ann/{FILE}"} <= texts
+    assert {f"handed_out/{FILE}", f"course/solutions/{FILE}", "course/checks/contract.py"} <= texts
+    assert (folder / "class" / "bob" / "agent.txt").read_text() == "y\n"
+
+    shutil.rmtree(handed_in / "bob" / "lib")
+    grade_class()
+    assert not (folder / "class" / "bob" / "lib").exists()
+
+
+def test_a_path_that_leads_out_of_a_students_folder_stays_in_it(tmp_path: Path) -> None:
+    names = ("../../up.py", "/etc/absolute.py", "a/../../b.py")
+    paths = write_sources(tmp_path / "sources", "ann", SLUG, dict.fromkeys(names, b"x"))
+    own = tmp_path / "sources" / SLUG / "class" / "ann"
+    assert [path.relative_to(own).as_posix() for path in paths] == [
+        "up.py", "etc/absolute.py", "a/b.py"
+    ]  # fmt: skip
