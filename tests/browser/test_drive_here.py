@@ -100,7 +100,7 @@ def test_arguments_are_typed_and_those_without_sense_are_refused(open_served: An
     assert line.input_value() == "--scenario demo_wall --duration 2"
     page.locator(".cm-content").focus()
     page.keyboard.press("Escape")
-    assert page.evaluate("document.activeElement.matches('.ws-arguments input')")
+    assert page.evaluate("document.activeElement.matches('.cm-content')")
 
 
 def test_a_link_carries_code_and_arguments_and_drives_nothing(open_served: Any) -> None:

@@ -330,19 +330,6 @@ def test_the_editor_knows_messages_and_nodes(open_workspace: Any) -> None:
     assert typed(page).split() == ["scan.range_max", "self.create_subscription"]
 
 
-def test_the_keyboard_gets_into_the_editor_and_out_again(open_workspace: Any) -> None:
-    page = open_workspace()
-    page.locator(".cm-content").focus()
-    page.keyboard.press("Tab")
-    assert not page.evaluate("document.activeElement.matches('.cm-content')")
-    page.keyboard.press("Shift+Tab")
-    assert page.evaluate("document.activeElement.matches('.cm-content')")
-    page.keyboard.press("Escape")
-    assert page.evaluate("document.activeElement.id") == "ws-scenario"
-    page.keyboard.press("Escape")
-    assert not page.locator("dialog.workspace").is_visible()
-
-
 def test_an_empty_editor_is_told_how_to_begin_again(open_workspace: Any) -> None:
     page = open_workspace(slug="model_server")
     settle(page)

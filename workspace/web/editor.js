@@ -1,10 +1,25 @@
 // The editor, bundled by esbuild. Tab leaves it, as a keyboard user expects; Enter keeps the indent.
+// No completion changes a word that is finished: Enter takes only what was chosen after the last key that types.
+import { autocompletion, completeFromList, ifNotIn, moveCompletionSelection, setSelectedCompletion } from '@codemirror/autocomplete';
 import { basicSetup } from 'codemirror';
 import { python, pythonLanguage } from '@codemirror/lang-python';
 import { indentUnit, syntaxHighlighting } from '@codemirror/language';
 import { lintGutter, setDiagnostics } from '@codemirror/lint';
+import { EditorState, Prec } from '@codemirror/state';
 import { EditorView, keymap } from '@codemirror/view';
 import { classHighlighter } from '@lezer/highlight';
+
+// Those that lang-python has no snippet of
+const KEYWORDS = ('and as assert async await break case continue del elif else except finally global in is lambda match '
+  + 'nonlocal not or pass raise return self with yield').split(' ').map((label) => ({ label, type: 'keyword' }));
+const keywords = ifNotIn(['String', 'FormatString', 'Comment', 'PropertyName'], completeFromList(KEYWORDS));
+
+/** A choice is of the word as it stood: more typing drops it. */
+const choose = [
+  EditorState.transactionExtender.of((transaction) => (transaction.docChanged ? { effects: setSelectedCompletion(-1) } : null)),
+  Prec.highest(keymap.of([{ key: 'Ctrl-Space', run: moveCompletionSelection(true) }])), // before the list's own: it opens it
+  autocompletion({ selectOnOpen: false }),
+];
 
 /** Offer words after a dot; each has a value: what it belongs to. */
 function afterDots(words) {
@@ -21,17 +36,18 @@ function toEnd(view) {
   return true;
 }
 
-/** Return an editor: its text, and marks on lines. `keys` are shortcuts, by CodeMirror's names. */
-export function makeEditor({ parent, text, label, onChange, keys, words }) {
+/** Return an editor: its text, and marks on lines. */
+export function makeEditor({ parent, text, label, onChange, words }) {
   const view = new EditorView({
     doc: text,
     parent,
     extensions: [
       keymap.of([{ key: 'End', run: toEnd }]),
-      keymap.of(Object.entries(keys).map(([key, act]) => ({ key, run: () => { act(); return true; } }))),
+      choose,
       basicSetup,
       python(),
-      pythonLanguage.data.of({ autocomplete: afterDots(words) }),
+      [afterDots(words), keywords].map((autocomplete) => pythonLanguage.data.of({ autocomplete })),
+      pythonLanguage.data.of({ closeBrackets: { brackets: ['(', '[', '{'] } }), // quotes: a docstring's end would get two more
       lintGutter(),
       EditorView.lineWrapping,
       indentUnit.of('    '),

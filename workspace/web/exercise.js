@@ -45,7 +45,6 @@ export class Exercise extends Workspace {
     this.scenario = el('select', { id: 'ws-scenario', 'aria-label': 'Scenario' },
       el('optgroup', { label: 'Scenarios of the checks' }, options(plan.scenarios)),
       el('optgroup', { label: 'To try things' }, options(demos)));
-    this.exit = this.scenario;
     this.seed = el('input', { id: 'ws-seed', type: 'number', min: 0, max: 1000000, placeholder: 'its own' });
     this.score = el('div', { class: 'ws-score' }, `Practice: ${pointsHere(plan)} `
       + 'Your instructor’s grade comes from the real rclpy on Linux.');
@@ -67,8 +66,6 @@ export class Exercise extends Workspace {
   }
 
   get hash() { return '#workspace'; }
-
-  get keys() { return { ...super.keys, 'Ctrl-Shift-Enter': () => this.check() }; }
 
   get pages() { return [this.hintsPage.href]; }
 

@@ -18,7 +18,6 @@ export class Program extends Workspace {
       spellcheck: 'false', autocapitalize: 'off', autocomplete: 'off', 'aria-label': 'Arguments of course drive',
       onkeydown: (event) => { if (event.key === 'Enter') this.drive(); },
     });
-    this.exit = this.line;
     this.note = el('p', { class: 'ws-note' }, 'What the drive was like is told here, as course drive tells it.');
     this.printed = el('pre', { class: 'ws-printed', tabindex: 0, 'aria-label': 'What course drive prints', hidden: true });
     this.expected = el('div', {});

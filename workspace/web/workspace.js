@@ -18,7 +18,7 @@ const SLOW = 5; // [s] of a drive that say nothing of the node yet
 const SLOWLY = ', more slowly than a robot drives: does a callback compute too long?';
 const ELSEWHERE = 'This is open in another tab, too: what you type here is kept once that one is closed.';
 const FREE = 'The other tab is closed: what you type here is kept again. Its text is among the versions.';
-const KEYS = 'Enter keeps the indent, Ctrl-] and Ctrl-[ change it, Tab leaves the editor.';
+const KEYS = 'Enter keeps the indent, Ctrl-] and Ctrl-[ change it, an arrow key chooses a word, Tab leaves the editor.';
 const BROKEN = 'The link to this page holds no code that can be read: it was cut on its way. Ask for the file instead.';
 
 /** Return a button. */
@@ -72,7 +72,7 @@ export class Workspace {
     this.question = el('div', { class: 'ws-question', hidden: true, role: 'alert' });
     this.stopButton = button('Stop', () => this.machine.stop(), { hidden: true });
     this.versions = el('select', { 'aria-label': 'Earlier versions', onchange: () => this.restore() });
-    this.code = el('div', { class: 'ws-code', 'data-pane': 'code', onkeydown: (event) => this.leave(event) },
+    this.code = el('div', { class: 'ws-code', 'data-pane': 'code' },
       el('p', { class: 'ws-keys' }, KEYS));
     this.fileTabs = this.names.map((name) => button(name, () => this.showFile(name), { 'aria-pressed': 'false' }));
     if (this.names.length > 1) this.code.append(el('nav', { class: 'ws-files', 'aria-label': 'Files' }, this.fileTabs));
@@ -98,6 +98,7 @@ export class Workspace {
       el('nav', { class: 'ws-tabs', 'aria-label': 'Show' }, this.tabs),
       el('div', { class: 'ws-panes' }, this.code, this.replay,
         el('div', { class: 'ws-result', 'data-pane': 'result', role: 'region', tabindex: 0, 'aria-label': names[2] }, this.stale, result, this.log)));
+    this.dialog.addEventListener('keydown', (event) => this.press(event), true); // before the editor
     document.body.append(this.dialog);
     this.mains = [...this.dialog.querySelectorAll('.ws-main')];
     this.listVersions();
@@ -148,10 +149,10 @@ export class Workspace {
     bundle ??= await editorBundle().catch(() => null);
     const make = bundle?.makeEditor || plainEditor;
     for (const [name, text] of Object.entries(files)) {
-      const parent = el('div', { class: 'ws-text', 'data-file': name });
+      const parent = el('div', { class: 'ws-text', 'data-file': name, onkeydown: stay });
       this.code.append(parent);
       const label = `Your node, ${name}. Tab leaves the editor.`;
-      this.editors[name] = make({ parent, text, label, onChange, keys: this.keys, words: this.words });
+      this.editors[name] = make({ parent, text, label, onChange, words: this.words });
     }
     this.showFile(this.file);
   }
@@ -166,7 +167,14 @@ export class Workspace {
 
   get isChanged() { return this.text !== this.skeleton; }
 
-  get keys() { return { 'Ctrl-Enter': () => this.drive() }; }
+  /** Do what a shortcut says, wherever the focus is. */
+  press(event) {
+    const act = event.ctrlKey && event.key === 'Enter' && (event.shiftKey ? this.check : this.drive);
+    if (!act) return;
+    event.preventDefault();
+    event.stopPropagation();
+    act.call(this);
+  }
 
   get pages() { return []; } // to be kept for a visit without a network, besides its own
 
@@ -362,14 +370,10 @@ export class Workspace {
     el('a', { href: url, download: this.file }).click();
     setTimeout(() => URL.revokeObjectURL(url), 1000);
   }
-
-  /** Escape in the editor leaves the editor, not the workspace. */
-  leave(event) {
-    if (event.key !== 'Escape' || event.defaultPrevented) return;
-    event.preventDefault();
-    this.exit.focus();
-  }
 }
+
+/** Escape closes what lies over the editor, never the workspace around it. */
+function stay(event) { if (event.key === 'Escape') event.preventDefault(); }
 
 /** A plain field, where the editor can't be had. */
 function plainEditor({ parent, text, label, onChange }) {
