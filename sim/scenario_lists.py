@@ -2,7 +2,8 @@
 
 In a bench `{ ramp = [5.0, 4.4], scans = 13 }` has fills from 5.0 to 4.4 m, each labelled with its
 distance; `{}` in a label stands for it, and where there are patches without a range, they have it
-instead. `{ repeat = 24, of = [{ … }, { … }] }` are these scans, 24 times in turn.
+instead. `{ each = ["0.30", "0.29"] }` is the same for any distances, as their labels write them.
+`{ repeat = 24, of = [{ … }, { … }] }` are these scans, 24 times in turn.
 
 In a script `every` is the time from one turn to the next [s]:
 `{ repeat = 9, every = 0.2, of = [{ at = 1.0, … }, { at = 1.1, … }] }`, or, of one event,
@@ -10,6 +11,7 @@ In a script `every` is the time from one turn to the next [s]:
 """
 
 import math
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -17,7 +19,8 @@ from sim.errors import InputError
 from sim.scenario import MAX_BENCH_SCANS
 from sim.toml_input import shown
 
-RAMP, REPEAT, EVERY, OF = "ramp", "repeat", "every", "of"
+RAMP, EACH, REPEAT, EVERY, OF = "ramp", "each", "repeat", "every", "of"
+DISTANCE = re.compile(r"\d+(\.\d+)?", re.ASCII)  # as a label writes it
 
 
 def scans_of(bench: Any, at: str) -> Any:
@@ -41,14 +44,30 @@ def _spelled_out(entries: Any, at: str, spell: Callable[[dict[str, Any], str], l
 
 def _scans(entry: dict[str, Any], at: str) -> list[Any]:
     if OF not in entry:
-        return _scan_or_ramp(entry, at)
+        return _scan_or_more(entry, at)
     _refuse_others(entry, (REPEAT, OF), at)
-    turn: list[Any] = _spelled_out(_list_of(entry, at), f"{at}.{OF}", _scan_or_ramp)
+    turn: list[Any] = _spelled_out(_list_of(entry, at), f"{at}.{OF}", _scan_or_more)
     return _times(entry, turn, at) * turn
 
 
-def _scan_or_ramp(entry: dict[str, Any], at: str) -> list[Any]:
-    return _ramp(entry, at) if RAMP in entry else [entry]
+def _scan_or_more(entry: dict[str, Any], at: str) -> list[Any]:
+    """Return the scan, or those of a ramp or of each distance: in fill or patches, and label."""
+    if RAMP in entry:
+        own, distances = [RAMP, "scans"], _ramp(entry, at)
+    elif EACH in entry:
+        own, distances = [EACH], _each(entry, at)
+    else:
+        return [entry]
+    rest = {key: value for key, value in entry.items() if key not in own}
+    made = []
+    for text in distances:
+        scan = {**rest, "label": str(rest.get("label", "{}")).replace("{}", f"{text} m")}
+        if "patches" in rest:
+            scan["patches"] = [{"range": float(text), **patch} for patch in rest["patches"]]
+        else:
+            scan["fill"] = float(text)
+        made.append(scan)
+    return made
 
 
 def _events(entry: dict[str, Any], at: str) -> list[Any]:
@@ -90,23 +109,25 @@ def _later(event: Any, seconds: float) -> Any:
     return {**event, "at": round(event["at"] + seconds, 6)}
 
 
-def _ramp(entry: dict[str, Any], at: str) -> list[dict[str, Any]]:
+def _ramp(entry: dict[str, Any], at: str) -> list[str]:
     ends, count = entry[RAMP], entry.get("scans")
     if not isinstance(ends, list) or len(ends) != 2 or not all(map(_is_number, ends)):
         raise InputError(f"{at}: {RAMP} = {shown(ends)}: expected two distances, [5.0, 0.4]")
     if not isinstance(count, int) or not 2 <= count <= MAX_BENCH_SCANS:
         raise InputError(f"{at}: scans = {shown(count)}: expected at least 2 for a {RAMP}")
-    rest = {key: value for key, value in entry.items() if key not in (RAMP, "scans")}
-    made = []
-    for i in range(count):
-        value = round(ends[0] + (ends[1] - ends[0]) * i / (count - 1), 6)
-        scan = {**rest, "label": str(rest.get("label", "{}")).replace("{}", f"{value} m")}
-        if "patches" in rest:
-            scan["patches"] = [{"range": value, **patch} for patch in rest["patches"]]
-        else:
-            scan["fill"] = value
-        made.append(scan)
-    return made
+    return [str(round(ends[0] + (ends[1] - ends[0]) * i / (count - 1), 6)) for i in range(count)]
+
+
+def _each(entry: dict[str, Any], at: str) -> list[str]:
+    texts = entry[EACH]
+    if not (isinstance(texts, list) and texts and all(map(_is_distance, texts))):
+        what = 'expected distances as the labels write them, ["0.30", "5"]'
+        raise InputError(f"{at}: {EACH} = {shown(texts)}: {what}")
+    return texts
+
+
+def _is_distance(text: Any) -> bool:
+    return isinstance(text, str) and DISTANCE.fullmatch(text) is not None
 
 
 def _is_number(value: Any) -> bool:

@@ -1,4 +1,4 @@
-"""Ramps and repeats, files that are several scenarios, and what a bench need not say."""
+"""Ramps, distances and repeats, files that are several scenarios, and what a bench need not say."""
 
 from pathlib import Path
 
@@ -8,6 +8,7 @@ from sim.errors import InputError
 from sim.scenario_files import load_scenario, scenario_from_toml, scenario_names
 
 TWO = "expected two distances, [5.0, 0.4]"
+WRITTEN = 'expected distances as the labels write them, ["0.30", "5"]'
 BENCH = 'title = "x"\nduration = 1.0\nbench = [{}]\n'
 
 
@@ -25,11 +26,25 @@ def test_a_ramp_in_patches_has_its_words_and_its_fill() -> None:
     assert [scan.patches[0].range for scan in (first, second)] == [2.0, 1.0]
 
 
+def test_each_distance_is_a_scan_labelled_as_it_is_written() -> None:
+    each = '{ each = ["0.30", "5"], label = "{} ahead", fill = 9.0, tags = ["near"], '
+    each += "patches = [{ from_deg = -5, to_deg = 5 }] }, "
+    first, second, last = scenario_from_toml(
+        BENCH.format(each + '{ each = ["1.20"], repeat = 9 }'), "mine.toml"
+    ).bench
+    assert (first.label, first.fill, first.tags) == ("0.30 m ahead", 9.0, ("near",))
+    assert [scan.patches[0].range for scan in (first, second)] == [0.3, 5.0]
+    assert (second.label, last.label, last.fill, last.repeat) == ("5 m ahead", "1.20 m", 1.2, 9)
+
+
 @pytest.mark.parametrize(
     ("ramp", "said"),
     [
         ("{ ramp = [1.0, 0.4] }", "bench.0: scans = null: expected at least 2 for a ramp"),
         ("{ ramp = [1.0], scans = 3 }", f"bench.0: ramp = [1.0]: {TWO}"),
+        ("{ each = [1.0] }", f"bench.0: each = [1.0]: {WRITTEN}"),
+        ("{ each = [] }", f"bench.0: each = []: {WRITTEN}"),
+        ('{ each = ["1 m"] }', f'bench.0: each = ["1 m"]: {WRITTEN}'),
     ],
 )
 def test_a_ramp_that_is_none_is_named(ramp: str, said: str) -> None:
