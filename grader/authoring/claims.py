@@ -94,6 +94,7 @@ def grade_claim(
     claim: Claim,
     forkserver: Launcher,
     *,
+    field: bool = True,
     only: Iterable[str] = (),
     kept: KeptRecordings | None = None,
 ) -> Grading:
@@ -104,7 +105,7 @@ def grade_claim(
             submission,
             forkserver,
             file=f"{claim.stem}.py",
-            field=True,
+            field=field,
             only=only,
             kept=kept,
         )
