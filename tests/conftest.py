@@ -1,4 +1,4 @@
-"""What all tests share: warm fork servers, things that are made once, how many workers run them."""
+"""What all tests share: warm fork servers, and things that are made once."""
 
 from __future__ import annotations
 
@@ -47,15 +47,6 @@ def any_path() -> Iterator[None]:
     """Take back what a batch leaves in this process: programs of other tests import their own."""
     yield
     os.environ.pop("PYTHONSAFEPATH", None)
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers() -> int | None:
-    """Run three workers on two CPUs: one of them waits for a robot, a process or a browser."""
-    if "PYTEST_XDIST_AUTO_NUM_WORKERS" in os.environ:
-        return None  # pytest-xdist reads it
-    cpus = len(os.sched_getaffinity(0))
-    return cpus + cpus // 2
 
 
 @pytest.hookimpl(wrapper=True)

@@ -270,7 +270,7 @@ def test_a_client_that_hangs_leaves_the_server_its_points(
         (tmp_path / file).write_text(text, "utf-8")
     first, *others = exercise.files
     submission = find_submission(tmp_path, first, others)
-    with NodeTrials(submission, forkserver, limits=Limits(step=2.0)) as trials:
+    with NodeTrials(submission, forkserver, limits=Limits(step=1.0)) as trials:
         assert not trials.get("detect_slow_server").outcome.completed
         only = ("client_wiring", "server_wiring", "answers")
         grading = grade(exercise, trials, file="x", only=only)
