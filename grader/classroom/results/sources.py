@@ -10,7 +10,7 @@ import shutil
 from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
 
-from grader.course.exercises import find_exercise
+from grader.course.exercises import ROOT, find_exercise
 
 SOURCES = "sources"  # the folder
 CLASS, HANDED_OUT, COURSE = "class", "handed_out", "course"  # in it, for each exercise
@@ -36,6 +36,7 @@ def write_course(folder: Path, slugs: Iterable[str]) -> None:
             HANDED_OUT: (exercise.folder,),
             f"{COURSE}/solutions": (exercise.solutions,),
             f"{COURSE}/checks": (exercise.judge,),
+            f"{COURSE}/models": (ROOT / "grader" / "models",),
         }.items():
             shutil.rmtree(folder / slug / name, ignore_errors=True)
             for root in roots:

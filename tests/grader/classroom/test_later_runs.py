@@ -113,6 +113,7 @@ def test_what_was_handed_in_lies_whole_in_a_folder_for_each_student(
     texts = {file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file()}
     assert {f"class/bob/{name}" for name in (FILE, *package)} | {f"class/ann/{FILE}"} <= texts
     assert {f"handed_out/{FILE}", f"course/solutions/{FILE}", "course/checks/contract.py"} <= texts
+    assert "course/models/features.py" in texts
     assert (folder / "class" / "bob" / "agent.txt").read_text() == "y\n"
 
     shutil.rmtree(handed_in / "bob" / "lib")
