@@ -32,7 +32,7 @@ test-long: $(VENV)/.dev ## run the tests that take long: attacks, browsers, DDS,
 test-proof: $(VENV)/.dev ## each check meets a wrong solution, each reference the field checks
 	$(PYTEST) -m long tests/grader/authoring/test_proof.py -k "wrong_solution or reference"
 
-test-all: test test-long ## both: before a release
+test-all: test test-long ## test and test-long: before a release
 
 test-deep: $(DEEP)/.deep ## make .venv-deep with PyTorch and Keras, run what needs them
 	$(DEEP)/bin/pytest -m deep
