@@ -50,7 +50,7 @@ WEB = (
 COURSE = re.compile(
     r"sim/(?!live/|launch/|setup|__main__)|rclpy_portable/|exercises/\w+/exercise\.toml$"
     r"|workspace/(runtime|stacks|stand_ins/)"
-    r"|grader/(?!authoring|classroom|drive/(search/|delay|mishaps)|lms"
+    r"|grader/(?!authoring|classroom|drive/(search/|mishaps)|lms"
     r"|nbgrader|notebook|testing|models/expert|trial/real_time|course/(skeletons|begin|generated)"
     r"|grading/(attempts|best|handed_in|withheld)|cli/(batch|waiting)"
     r"|link/(doctor|domains|host_process|hosts|locks|pipes|pool|run_queue|shared_memory)\."

@@ -58,6 +58,7 @@ def search(
 
     from grader.course.exercises import exercise_for  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
+    from grader.drive import drive_in  # noqa: PLC0415
     from grader.drive import search as searching  # noqa: PLC0415
     from grader.report.terminal import Console  # noqa: PLC0415
 
@@ -66,29 +67,24 @@ def search(
     submission = find_submission(file, chosen.files[0])
     check_writable(report)
     check_writable(out)
-    seconds = (
-        None if minutes is None and tries is not None else 60.0 * (minutes or searching.MINUTES)
-    )
     doing = f"Exercise {chosen.number}, {file.name}"
     console = Console(file=sys.stderr, highlight=False)
     with (
         console.status(Text(f"{doing}: getting ready"), spinner="line") as status,
         start_forkserver(chosen.libraries, portable=portable) as forkserver,
     ):
-        result = searching.search_node(
-            arena, submission, forkserver, seed=seed, tries=tries, seconds=seconds,
-            on_try=lambda n, mishap: status.update(
-                Text(f"{doing}: {searching.how_far(n, mishap)}")
-            ),
+        result = searching.search(
+            arena, lambda scenario: drive_in(submission, scenario, forkserver),
+            seed=seed, tries=tries, minutes=minutes,
+            on_try=lambda _, so_far: status.update(Text(f"{doing}: {so_far}")),
         )  # fmt: skip
-    echo(searching.account(result, exercise=chosen.number, seed=seed))
-    if result.found is None:
+    echo(result.account(exercise=chosen.number, seed=seed))
+    if (found := result.found) is None:
         return FULL
     if out is not None:
-        out.write_text(result.found.toml, "utf-8")
+        out.write_text(found.toml, "utf-8")
         echo(f"Scenario: {out}")
     if report is not None:
-        found = result.found
         title = f"{file.name}: {found.sentence}"
         write_report(report, None, [found.recording], title, opens_at=found.mishap.at)
     return LESS

@@ -6,7 +6,6 @@ robot that stands though its way has long been free.
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,10 +34,8 @@ class Mishap:
     text: str  # "the robot touches it"
 
 
-def mishap_of(
-    recording: Recording, contract: Contract, kinds: Collection[str] = KINDS
-) -> Mishap | None:
-    """Return the first mishap of a drive among those of these kinds, if there is one.
+def mishap_of(recording: Recording, contract: Contract) -> Mishap | None:
+    """Return the first mishap of a drive, if there is one.
 
     Raises
     ------
@@ -49,13 +46,12 @@ def mishap_of(
     if outcome.kind in UNFIT:
         raise InputError(f"the node can't be looked at: {outcome.text}")
     at_once = (_death(recording), _touch(recording), _excess(recording, contract))
-    found = [mishap for mishap in at_once if mishap is not None and mishap.kind in kinds]
+    found = [mishap for mishap in at_once if mishap is not None]
     if found:
         return min(found, key=lambda mishap: (mishap.at, KINDS.index(mishap.kind)))
     if contract.free is None:
-        last = _lost(recording)
-        return last if last is not None and last.kind in kinds else None
-    return _stands(recording, contract.free, contract.patience) if STANDS in kinds else None
+        return _lost(recording)
+    return _stands(recording, contract.free, contract.patience)
 
 
 def _death(recording: Recording) -> Mishap | None:

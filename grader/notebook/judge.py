@@ -22,7 +22,15 @@ import msgspec
 
 from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
-from grader.drive import arguments_of, drive_node, print_summary, scenario_for, unpacked
+from grader.drive import (
+    arguments_of,
+    drive_in,
+    drive_node,
+    print_summary,
+    scenario_for,
+    search,
+    unpacked,
+)
 from grader.errors import GraderError, InputError
 from grader.grading.grading import grade_submission
 from grader.link.launcher import Launcher
@@ -99,24 +107,19 @@ def _drive(order: Drive, forkserver: Launcher) -> Driven:
 
 
 def _look(order: Look, forkservers: ForkServerPool, send: Send) -> Driven:
-    from grader.drive import search  # noqa: PLC0415  (hypothesis takes a while)
-
     exercise = find_exercise(order.exercise)
     arena = search.arena_of(exercise, field=order.field)
     submission = find_submission(Path(order.file), exercise.files[0])
-    minutes = order.minutes or (None if order.tries else search.MINUTES)
-    result = search.search_node(
+    forkserver = forkservers.of(exercise.libraries)
+    result = search.search(
         arena,
-        submission,
-        forkservers.of(exercise.libraries),
+        lambda scenario: drive_in(submission, scenario, forkserver),
         seed=order.seed,
         tries=order.tries,
-        seconds=None if minutes is None else 60.0 * minutes,
-        on_try=lambda tries, mishap: send(
-            Progressed("world", tries, order.tries or 0, search.how_far(tries, mishap))
-        ),
+        minutes=order.minutes,
+        on_try=lambda tries, so_far: send(Progressed("world", tries, order.tries or 0, so_far)),
     )
-    said = search.account(result, exercise=exercise.number, seed=order.seed)
+    said = result.account(exercise=exercise.number, seed=order.seed)
     if result.found is None:
         return Driven(said, "")
     found = result.found

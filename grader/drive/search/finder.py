@@ -1,49 +1,39 @@
-"""Look for the smallest world in which a node fails: hypothesis draws and shrinks.
+"""Look for the smallest world in which a node fails: draw worlds by chance, then simplify one.
 
-Each try is one drive in virtual time. Half of the search looks for what is worse than standing; if
-nothing of the kind turns up, the other half shrinks a world in which the robot stands. The first
-hit fixes the kind of mishap: from then on only smaller worlds with the same kind count. With a
-number of tries, the same seed gives the same world; with a limit of time the machine decides.
+Each try is one drive in virtual time. The simplest world of all comes first. Until half of the
+tries are over, only what is worse than standing ends the drawing; then anything does. Of the world
+that was found, one number of its plan after another is lowered, by halves, as long as the node
+fails in the same way. With a number of tries, the same seed gives the same world; with a limit of
+time the machine decides.
 """
 
 from __future__ import annotations
 
 import contextlib
 import dataclasses
+import itertools
 import math
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field
 from random import Random
 
-from hypothesis import Phase, find, settings
-from hypothesis.errors import NoSuchExample
-from hypothesis.internal.conjecture import providers
-from hypothesis.internal.constants_ast import Constants
 from msgspec.structs import replace
 
-from grader.drive.mishaps import (
-    BREAKS,
-    DIES,
-    KINDS,
-    LOST,
-    STANDS,
-    TOUCHES,
-    Mishap,
-    mishap_of,
-)
+from grader.drive.mishaps import BREAKS, DIES, KINDS, LOST, STANDS, TOUCHES, Mishap, mishap_of
+from grader.drive.search.fair import is_fair
 from grader.drive.search.toml import scenario_to_toml
 from grader.drive.search.words import sentence, title
-from grader.drive.search.worlds import Arena
+from grader.drive.search.worlds import Arena, Draw, Plan
 from grader.recording import Recording
 from sim.scenario import Scenario
 
-NAME = "found"
-ENDLESS = 1_000_000  # tries where time is the limit
-REPEATS = 10  # hypothesis draws worlds that it has drawn before; they are no tries
+MINUTES = 1.0  # that a search takes if nobody says
 AFTERMATH = 1.0  # [s] to show after the mishap
+HARM = (DIES, TOUCHES, BREAKS)
 
 Drive = Callable[[Scenario], Recording]
+OnTry = Callable[[int, str], None]
 
 
 @dataclass(frozen=True)
@@ -53,7 +43,12 @@ class Found:
     scenario: Scenario
     recording: Recording
     mishap: Mishap
-    sentence: str
+    plan: Plan = ()
+
+    @property
+    def sentence(self) -> str:
+        """What a student reads."""
+        return sentence(self.recording, self.mishap)
 
     @property
     def toml(self) -> str:
@@ -69,79 +64,90 @@ class Search:
     tries: int
     interrupted: bool = False
 
+    def account(self, *, exercise: int, seed: int) -> str:
+        """Return the sentence, the world as a file, and how many worlds were tried."""
+        count = f"{self.tries} worlds" if self.tries != 1 else "one world"
+        where = f"(exercise {exercise}, seed {seed}{', interrupted' if self.interrupted else ''})"
+        if self.found is None:
+            proof = "That is no proof: another seed tries others."
+            return f"Nothing found in {count} {where}. {proof}"
+        return f"{self.found.sentence}\n\n{self.found.toml}\nThe smallest of {count} {where}."
 
-OnTry = Callable[[int, "Mishap | None"], None]
 
-_RANK = {kind: rank for rank, kind in enumerate(KINDS)}
-HARM = frozenset({DIES, TOUCHES, BREAKS})
-
-
-class _Over(BaseException):
-    """No tries or no time is left: hypothesis lets this through."""
+class _Over(Exception):
+    """No tries or no time is left."""
 
 
 @dataclass
 class _Hunt:
-    """The tries so far, and the smallest world with each kind of mishap among them."""
+    """The tries so far, and the smallest world among them in which the node failed."""
 
     arena: Arena
     drive: Drive
     on_try: OnTry
-    most: int  # tries
+    most: float  # tries
     seconds: float
-    wanted: frozenset[str] = frozenset()
-    share: float = 1.0  # of tries and seconds that may go by without a hit
     tries: int = 0
-    trouble: Exception | None = None
+    best: Found | None = None
+    known: set[str] = field(default_factory=set)
+    began: float = field(default_factory=time.monotonic)
 
-    def __post_init__(self) -> None:
-        self._began = time.monotonic()
-        self._known: dict[str, str] = {}  # world: kind of mishap, "" for none
-        self._smallest: dict[str, tuple[Scenario, Recording, Mishap]] = {}
+    def draw(self, chance: Random) -> None:
+        """Look into worlds that come by chance, until the node fails in one."""
+        if self._fails(Draw(), KINDS):
+            return  # in the simplest world: nothing is simpler
+        enough = HARM if self.arena.contract.free is not None else KINDS  # what to run into
+        while self.best is None or (self.best.mishap.kind not in enough and self._spent() < 0.5):
+            self._fails(Draw(chance=chance), enough if self.best else KINDS)
 
-    @property
-    def best(self) -> tuple[Scenario, Recording, Mishap] | None:
-        """The smallest world of the kind that is looked for, or else of the worst kind."""
-        kinds = sorted(self._smallest, key=lambda kind: (kind not in self.wanted, _RANK[kind]))
-        return self._smallest[kinds[0]] if kinds else None
+    def simplify(self) -> None:
+        """Lower one number after another, then two by one, until none can be lowered."""
+        before: Plan | None = None
+        while self.best is not None and self.best.plan != before:
+            before = self.best.plan
+            for index in range(len(before)):
+                self._lower(self.best, index)
+            left = [(index, number - 1) for index, number in enumerate(self.best.plan) if number]
+            pairs = map(dict, itertools.combinations(left, 2))
+            any(self._still(self.best, pair) for pair in pairs)
 
-    def fails(self, scenario: Scenario) -> bool:
-        """Drive in a world, unless that is known; tell whether it is one to be looked for."""
-        text = scenario_to_toml(scenario)
-        if text not in self._known:
-            try:
-                self._known[text] = self._try(scenario)
-            except Exception as error:  # not to be shrunk: it is no answer to the question
-                self.trouble = error
-                raise _Over from error
-        kind = self._known[text]
-        if kind in self.wanted:
-            self.wanted = frozenset({kind})
-        elif kind and self.tries == 1:
-            self.wanted = frozenset({kind})  # it fails in the simplest world of all
-        return kind in self.wanted
+    def _lower(self, best: Found, index: int) -> None:
+        """Look for the lowest number with which the node fails: zero first, then by halves."""
+        right, wrong = -1, best.plan[index]
+        while wrong - right > 1:
+            number = 0 if right < 0 else (right + wrong) // 2
+            still = self._still(best, {index: number})
+            right, wrong = (right, number) if still else (number, wrong)
 
-    def _try(self, scenario: Scenario) -> str:
-        share = 1.0 if len(self.wanted) == 1 else self.share
-        passed = time.monotonic() - self._began
-        if self.tries >= self.most * share or passed > self.seconds * share:
+    def _still(self, best: Found, lower: dict[int, int]) -> bool:
+        """Say whether the node fails in the same way if these numbers of the plan are lower."""
+        plan = tuple(lower.get(index, number) for index, number in enumerate(best.plan))
+        return self._fails(Draw(plan), (best.mishap.kind,))
+
+    def _fails(self, draw: Draw, wanted: Collection[str]) -> bool:
+        """Drive in a world if it is fair and new; keep it if the node fails as is wanted."""
+        if self._spent() >= 1.0:
             raise _Over
+        scenario = self.arena.world(draw)
+        text = scenario_to_toml(scenario)
+        if self.best is not None and text == self.best.toml:
+            self.best = dataclasses.replace(self.best, plan=draw.taken)
+            return True
+        if text in self.known or not is_fair(scenario):
+            return False
+        self.known.add(text)
         recording = self.drive(scenario)
         self.tries += 1
         mishap = mishap_of(recording, self.arena.contract)
-        if mishap is not None:
-            known = self._smallest.get(mishap.kind)
-            if known is None or smallness(scenario) < smallness(known[0]):
-                self._smallest[mishap.kind] = scenario, recording, mishap
-        self.on_try(self.tries, self.best[2] if self.best else None)
-        return mishap.kind if mishap else ""
+        if fails := mishap is not None and mishap.kind in wanted:
+            self.best = Found(scenario, recording, mishap, draw.taken)
+        so_far = f": {self.best.mishap.text}; now looking for a smaller world" if self.best else ""
+        self.on_try(self.tries, f"world {self.tries}{so_far}")
+        return fails
 
-
-def smallness(scenario: Scenario) -> tuple[int, int, str]:
-    """Return what orders worlds: things, then whatever else a file has to say, then the text."""
-    world, text = scenario.world, scenario_to_toml(scenario)
-    goals = sum(event.goal is not None for event in scenario.script)
-    return len(world.boxes) + len(world.walls) + goals, len(text), text
+    def _spent(self) -> float:
+        """Return which share of tries or time is gone."""
+        return max(self.tries / self.most, (time.monotonic() - self.began) / self.seconds)
 
 
 def search(
@@ -150,8 +156,8 @@ def search(
     *,
     seed: int = 0,
     tries: int | None = None,
-    seconds: float | None = None,
-    on_try: OnTry = lambda tries, mishap: None,
+    minutes: float | None = None,
+    on_try: OnTry = lambda tries, so_far: None,
 ) -> Search:
     """Look for the smallest world; Ctrl-C ends the search, and keeps what it has.
 
@@ -159,87 +165,47 @@ def search(
     ----------
     drive
         Drives the node in a scenario.
-    tries, seconds
-        When to end the search; at least one of them.
+    tries, minutes
+        When to end the search; after a minute if neither is given.
     on_try
-        Is told after each try how many there were, and what has been found so far.
+        Is told after each try how many there were, and how far the search is, in words.
 
     Raises
     ------
     InputError
         The node can't be driven in virtual time.
     """
-    hunt = _Hunt(arena, drive, on_try, tries or ENDLESS, seconds or math.inf)
+    minutes = minutes or (math.inf if tries else MINUTES)
+    hunt = _Hunt(arena, drive, on_try, tries or math.inf, 60.0 * minutes)
     interrupted = False
     try:
-        if arena.contract.free is not None:  # there are things to run into
-            _run(hunt, seed, HARM, 0.5)
-        if hunt.best is None or len(hunt.wanted) > 1:
-            _run(hunt, seed, frozenset(KINDS), 1.0)
+        with contextlib.suppress(_Over):
+            hunt.draw(Random(seed))
+            hunt.simplify()
     except KeyboardInterrupt:
         interrupted = True
-    found = None if hunt.best is None else _told(hunt, *hunt.best, again=not interrupted)
+    found = hunt.best and _told(hunt.best, arena, None if interrupted else drive)
     return Search(found, hunt.tries, interrupted)
 
 
-def _run(hunt: _Hunt, seed: int, wanted: frozenset[str], share: float) -> None:
-    hunt.wanted, hunt.share = wanted, share
-    how = settings(
-        max_examples=min(ENDLESS, REPEATS * hunt.most),
-        database=None,
-        deadline=None,
-        phases=(Phase.generate, Phase.shrink),
-    )
-    with _by_seed_alone(), contextlib.suppress(NoSuchExample, _Over):
-        find(hunt.arena.worlds, hunt.fails, settings=how, random=Random(seed))
-    if hunt.trouble is not None:
-        raise hunt.trouble
-
-
-@contextlib.contextmanager
-def _by_seed_alone() -> Iterator[None]:
-    """Keep hypothesis from drawing numbers that it finds in the code of this very process.
-
-    It would read every module that is loaded and not installed, and what it draws would depend on
-    them; there is no setting against it.
-    """
-    read, known = providers._get_local_constants, providers.CONSTANTS_CACHE
-    providers._get_local_constants = Constants
-    providers.CONSTANTS_CACHE = type(known)(1024)
-    try:
-        yield
-    finally:
-        providers._get_local_constants, providers.CONSTANTS_CACHE = read, known
-
-
-def _told(
-    hunt: _Hunt, scenario: Scenario, recording: Recording, mishap: Mishap, *, again: bool
-) -> Found:
+def _told(found: Found, arena: Arena, drive: Drive | None) -> Found:
     """Return a world with its title, no longer than it takes to see what goes wrong.
 
-    `again`: the node may be driven once more, to see that the shorter world shows it, too.
+    With `drive`, the node is driven once more, to see that the shorter world shows it, too.
     """
-    scenario = replace(scenario, title=title(scenario), name=NAME)
-    if again and mishap.kind not in (STANDS, LOST):
-        shorter = cut(scenario, math.ceil(mishap.at + AFTERMATH))
-        shown = hunt.drive(shorter)
-        same = mishap_of(shown, hunt.arena.contract)
-        if same is not None and same.kind == mishap.kind:
-            return Found(shorter, shown, same, sentence(shown, same))
-    recording = dataclasses.replace(recording, scenario=scenario)
-    return Found(scenario, recording, mishap, sentence(recording, mishap))
+    scenario = replace(found.scenario, title=title(found.scenario), name="found")
+    if drive is not None and found.mishap.kind not in (STANDS, LOST):
+        shorter = cut(scenario, math.ceil(found.mishap.at + AFTERMATH))
+        shown = drive(shorter)
+        same = mishap_of(shown, arena.contract)
+        if same is not None and same.kind == found.mishap.kind:
+            return Found(shorter, shown, same)
+    return Found(scenario, dataclasses.replace(found.recording, scenario=scenario), found.mishap)
 
 
-def cut(scenario: Scenario, duration: float) -> Scenario:
+def cut(scenario: Scenario, end: float) -> Scenario:
     """Return a scenario that ends earlier, without what would happen later."""
-    duration = min(scenario.duration, float(duration))
-    return replace(
-        scenario,
-        duration=duration,
-        script=tuple(event for event in scenario.script if event.at < duration),
-        raw=tuple(
-            replace(stream, end=min(stream.end, duration))
-            for stream in scenario.raw
-            if stream.begin < duration
-        ),
-    )
+    end = min(scenario.duration, float(end))
+    raw = [replace(each, end=min(each.end, end)) for each in scenario.raw if each.begin < end]
+    script = [event for event in scenario.script if event.at < end]
+    return replace(scenario, duration=end, raw=tuple(raw), script=tuple(script))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
@@ -17,53 +18,43 @@ WIDTH = 100  # [characters] of a line
 
 def scenario_to_toml(scenario: Scenario) -> str:
     """Return the text of a file from which `load_scenario` makes this scenario."""
-    doc = _changed(scenario)
-    doc.pop("name", None)
+    doc = _plain(msgspec.structs.replace(scenario, name=""))
     tables = {key: doc.pop(key) for key in list(doc) if isinstance(doc[key], dict)}
-    lines = [f"{_key(key)} = {_value(value)}" for key, value in doc.items()]
-    for name, table in ({"world": {}} | tables).items():
-        lines += ["", f"[{_key(name)}]", *(_entry(key, value) for key, value in table.items())]
+    lines = list(itertools.starmap(_entry, doc.items()))
+    for name, table in tables.items():
+        lines += ["", f"[{name}]", *itertools.starmap(_entry, table.items())]
     return "\n".join(lines) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    """Return a struct as a dictionary of the fields that are not as they are by default."""
+    match value:
+        case msgspec.Struct():
+            fields = [(each, getattr(value, each.name)) for each in msgspec.structs.fields(value)]
+            return {each.encode_name: _plain(v) for each, v in fields if v != _default(each)}
+        case list() | tuple():
+            return [_plain(item) for item in value]
+        case dict():
+            return {key: _plain(item) for key, item in value.items()}
+    return value
+
+
+def _default(field: msgspec.structs.FieldInfo) -> Any:
+    made = field.default_factory
+    return field.default if made is msgspec.NODEFAULT else made()
 
 
 def _entry(key: str, value: Any) -> str:
     """Return a line; a long list has one for each of its items."""
     line = f"{_key(key)} = {_value(value)}"
-    if len(line) <= WIDTH or not isinstance(value, list | tuple):
+    if len(line) <= WIDTH or not isinstance(value, list):
         return line
     items = "".join(f"    {_value(item)},\n" for item in value)
     return f"{_key(key)} = [\n{items}]"
 
 
-def _changed(struct: msgspec.Struct) -> dict[str, Any]:
-    """Return the fields that are not as they are by default, by their names in a file."""
-    found = {}
-    for field in msgspec.structs.fields(struct):
-        value = getattr(struct, field.name)
-        default = field.default
-        if field.default_factory is not msgspec.NODEFAULT:
-            default = field.default_factory()
-        if default is msgspec.NODEFAULT or value != default:
-            found[field.encode_name] = _plain(value)
-    return found
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, msgspec.Struct):
-        return _changed(value)
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    return value
-
-
 def _key(key: str) -> str:
-    return key if BARE.fullmatch(key) else _text(key)
-
-
-def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")  # else as in TOML
+    return key if BARE.fullmatch(key) else _value(key)
 
 
 def _value(value: Any) -> str:
@@ -71,13 +62,11 @@ def _value(value: Any) -> str:
         case bool():
             return str(value).lower()
         case str():
-            return _text(value)
+            return json.dumps(value, ensure_ascii=False)
         case float():
             return repr(value) if math.isfinite(value) else str(value)  # nan, inf, -inf
         case list():
             return f"[{', '.join(map(_value, value))}]"
         case dict():
-            pairs = ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items())
-            return f"{{ {pairs} }}" if pairs else "{}"
-        case _:
-            return str(value)
+            return f"{{ {', '.join(f'{_key(k)} = {_value(v)}' for k, v in value.items())} }}"
+    return str(value)
