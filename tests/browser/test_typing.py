@@ -92,6 +92,8 @@ def unfinished(text: str) -> set[int]:
             depth += (token.string in "([{") - (token.string in ")]}")
         if token.type == tokenize.NL and depth:
             rows.add(token.start[0])
+        if token.type == tokenize.COMMENT and token.string.count("(") > token.string.count(")"):
+            rows.add(token.start[0])  # the editor closes it there, too
     return rows
 
 
