@@ -15,8 +15,7 @@ import sys
 
 from grader.authoring.claims import claims, grade_claim
 from grader.course.exercises import all_exercises, find_exercise
-from grader.link.hosts import ForkServer
-from sim.messages import EPOCH_NS
+from grader.launchers import fork_server
 
 RUNS = 5
 ONE = "--one"
@@ -49,7 +48,7 @@ def _grading(slug: str) -> dict[str, float]:
     """Grade a reference in this process; return what it has cost since it began."""
     exercise = find_exercise(slug)
     reference = next(claim for claim in claims(exercise) if claim.kind == "reference")
-    with ForkServer(EPOCH_NS, libraries=exercise.libraries) as server:
+    with fork_server(libraries=exercise.libraries) as server:
         grading = grade_claim(reference, server)
     if not grading.field_ready:  # it was repeated, too
         raise SystemExit(f"{slug}: {grading.score} points, not full marks: a busy machine?")

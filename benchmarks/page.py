@@ -26,8 +26,7 @@ from playwright.sync_api import Page, sync_playwright
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
-from sim.messages import EPOCH_NS
+from grader.launchers import fork_server
 
 SITE = ROOT / "build" / "site"
 MADE = SITE / "_static" / "workspace"
@@ -69,7 +68,7 @@ def main() -> int:
             _measure(name, functools.partial(_do, page, keys))
         chromium.close()
         server.shutdown()
-    with ForkServer(EPOCH_NS) as forkserver, tempfile.TemporaryDirectory() as name:
+    with fork_server() as forkserver, tempfile.TemporaryDirectory() as name:
         node = find_submission(Path(shutil.copy(file, name)))
         for said in ("course grade, first", "course grade, warm"):
             _measure(said, lambda: grade_submission(exercise, node, forkserver, file=file.name))

@@ -29,12 +29,12 @@ import pymunk
 from grader.classroom.work import Unit, grade_unit
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
+from grader.launchers import fork_server
 from grader.link.hosts import ForkServer
 from grader.trial.virtual_time import run_trial
 from sim.caster import Caster, static_faces
 from sim.layout import Layout
 from sim.lidar import PROFILES
-from sim.messages import EPOCH_NS
 from sim.placement import build_layout
 from sim.scenario import Scenario
 from sim.scenario_files import load_scenario
@@ -133,7 +133,7 @@ def main() -> None:
     """Print the table."""
     print(f"{'':58}{'ours':>10}{'peer':>10}{'ratio':>8}")
     row("lidar, 100 segments [scans/s] / pymunk, a query a beam", *_lidar())
-    with tempfile.TemporaryDirectory() as name, ForkServer(EPOCH_NS) as forkserver:
+    with tempfile.TemporaryDirectory() as name, fork_server() as forkserver:
         folder = Path(name)
         row("scan to cmd_vel [ms] / plain rclpy in one process", *_step(folder, forkserver))
         row("trial [x real time] / ir-sim, without ROS", *_pace(folder, forkserver))

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from grader.course.exercises import ROOT
+from grader.launchers import launcher_pool
 from grader.link.hosts import ForkServer
 from grader.link.pool import ForkServerPool
 from grader.trial.kept import RECORDINGS, KeptRecordings
@@ -72,7 +73,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(scope="session")
 def forkservers() -> Iterator[ForkServerPool]:
     """A warm fork server for each set of libraries that is asked for."""
-    with ForkServerPool() as pool:
+    with launcher_pool() as pool:
         yield pool
 
 

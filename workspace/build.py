@@ -58,7 +58,7 @@ COURSE = re.compile(
 )
 FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")
 # What is run from its source, or quoted in a node's traceback
-SOURCES = r"^rclpy_portable/_ros/rclpy/|^grader/exercises/|^grader/host/supplied/"
+SOURCES = r"^rclpy_portable/_ros/rclpy/|^grader/exercises/|^grader/hosted/supplied/"
 # What a node may import: numpy, PyYAML, ROS, and what stands in for more of ROS ...
 OF_NODES = re.compile(
     r"(rclpy_portable/_ros/|grader/host/stand_ins/|(?=numpy/|yaml/))(?P<module>\w+)/"

@@ -96,6 +96,7 @@ class Runtime:
         import grader.grading.grading
         import grader.report.page
         import grader.trial.virtual_time  # noqa: F401
+        from grader.launchers import ADVICE
         from grader.link.in_process import InProcess
         from grader.report.terminal import Console
         from sim.messages import EPOCH_NS, typestore
@@ -104,7 +105,7 @@ class Runtime:
         for name in MESSAGES:
             __import__(name)
         typestore()
-        self._launcher = InProcess(EPOCH_NS, self._reached, self._stacks)
+        self._launcher = InProcess(EPOCH_NS, self._reached, self._stacks, ADVICE)
         self._note_lines()
 
     def _note_lines(self) -> None:

@@ -23,11 +23,10 @@ from msgspec import structs
 from grader.authoring.claims import Claim, claims, grade_claim
 from grader.course.exercises import all_exercises, find_exercise
 from grader.errors import GraderError
-from grader.link.hosts import ForkServer
+from grader.launchers import fork_server
 from grader.link.ros_environment import find_ros, portable_ros
 from grader.recording import Recording
 from grader.recording.training import ModelAnswers
-from sim.messages import EPOCH_NS
 
 Digests = dict[str, dict[str, str]]  # claim → scenario → digest; and its verdict
 VERDICT = "verdict"  # in the place of a scenario's name
@@ -64,7 +63,7 @@ def main(arguments: list[str]) -> int:
 
 def _digests(claim: Claim, *, portable: bool) -> dict[str, str]:
     ros = portable_ros() if portable else find_ros()
-    with ForkServer(EPOCH_NS, ros, libraries=claim.exercise.libraries) as server:
+    with fork_server(ros, libraries=claim.exercise.libraries) as server:
         try:
             grading = grade_claim(claim, server)
         except GraderError as error:

@@ -12,6 +12,7 @@ from functools import cache, partial
 from grader.authoring.claims import Claim, grade_claim
 from grader.grading.grading import Grading
 from grader.host.sandbox.kernel_filters import die_with_parent
+from grader.launchers import launcher_pool
 from grader.link.interpreter import own_processes
 from grader.link.pool import ForkServerPool
 from grader.trial.kept import KeptRecordings
@@ -54,6 +55,6 @@ def _graded(claim: Claim, *, kept: KeptRecordings | None) -> Grading:
 @cache
 def _servers() -> ForkServerPool:
     """Return the fork servers of this process; they end with it."""
-    servers = ForkServerPool(most=1)
+    servers = launcher_pool(most=1)
     atexit.register(servers.close)
     return servers

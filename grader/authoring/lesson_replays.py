@@ -19,9 +19,9 @@ from grader.course.exercises import ROOT
 from grader.course.submission import find_submission
 from grader.drive import arguments_of, drive_node, scenario_for
 from grader.errors import InputError
+from grader.launchers import fork_server
 from grader.link.hosts import ForkServer
 from grader.report.page import page_html, page_payload
-from sim.messages import EPOCH_NS
 
 COMMAND = argparse.ArgumentParser("course drive")  # the options that a page has use for
 COMMAND.add_argument("file")
@@ -89,7 +89,7 @@ def main(arguments: list[str]) -> int:
     """Write the replays into the folder that is given."""
     if len(arguments) != 1 or arguments[0].startswith("-"):
         raise InputError("expected a folder for the replays")
-    with ForkServer(EPOCH_NS) as forkserver:
+    with fork_server() as forkserver:
         write(Path(arguments[0]), forkserver)
     return 0
 

@@ -30,12 +30,12 @@ from grader.course.generated import CHECK, write_or_check
 from grader.course.submission import find_submission
 from grader.errors import GraderError, InputError
 from grader.grading.grading import Grading, grade_submission
+from grader.launchers import fork_server
 from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.report.page import GENERATED_BY, page_html, replay_payload
 from grader.report.terminal import printed
 from grader.trial.virtual_time import run_trial
-from sim.messages import EPOCH_NS
 from sim.scenario_files import load_scenario
 
 FOLDER = ROOT / "lessons" / "pitfalls"
@@ -105,7 +105,7 @@ def main(arguments: list[str]) -> int:
     """Write the replays, or the texts; with `--check` compare the texts, 1 if they differ."""
     if len(arguments) != 1 or (arguments[0].startswith("-") and arguments[0] not in MODES):
         raise InputError(f"expected a folder for the replays, or {' or '.join(MODES)}")
-    with ForkServer(EPOCH_NS) as forkserver:
+    with fork_server() as forkserver:
         if arguments[0] not in MODES:
             write_replays(Path(arguments[0]), forkserver)
             return 0

@@ -26,10 +26,9 @@ from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.errors import GraderError, InputError
 from grader.grading.grading import Grading
 from grader.grading.plugin import FAIL, INCONCLUSIVE, UNAVAILABLE
-from grader.link.hosts import ForkServer
+from grader.launchers import fork_server
 from grader.recording import noted_of
 from grader.trial.kept import RECORDINGS, KeptRecordings
-from sim.messages import EPOCH_NS
 
 SKELETON_POINTS = 10  # at most
 
@@ -182,7 +181,7 @@ def _prove_one(name: str, exercises: list[Exercise], kept: KeptRecordings) -> in
         raise InputError(f"no solution or mutant is called {name!r} in these exercises")
     bad = 0
     for claim in chosen:
-        with ForkServer(EPOCH_NS, libraries=claim.exercise.libraries) as forkserver:
+        with fork_server(libraries=claim.exercise.libraries) as forkserver:
             grading = grade_claim(claim, forkserver, kept=kept)
         failed = sorted(check.id for check in grading.checks if check.outcome == FAIL)
         print(f"{claim.name}: {grading.score} points; fails {', '.join(failed) or 'nothing'}")

@@ -19,6 +19,6 @@ def start_forkserver(
     libraries: tuple[str, ...] = (), *, portable: bool = False
 ) -> ForkServer | PracticeServer:
     """Start what starts hosts that have these modules imported."""
-    from grader.link.choice import start_launcher  # noqa: PLC0415
+    from grader.launchers import start_launcher  # noqa: PLC0415
 
     return start_launcher(libraries, portable=portable)

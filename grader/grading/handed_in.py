@@ -17,14 +17,14 @@ from grader.course.students import Seed
 from grader.course.submission import find_submission
 from grader.errors import GraderError, InputError
 from grader.grading.grading import grade_submission
+from grader.launchers import launcher_pool
 from grader.link.doctor import foreign_code_problem
-from grader.link.pool import ForkServerPool
 from grader.link.scratch import fresh_folder
 
 MAX_REASON = 600  # [characters]
 
 _one_at_a_time = threading.Lock()
-_forkservers = ForkServerPool(most=1)
+_forkservers = launcher_pool(most=1)
 atexit.register(_forkservers.close)
 
 

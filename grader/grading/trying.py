@@ -9,12 +9,12 @@ from grader.course.exercises import all_exercises
 from grader.errors import GraderError
 from grader.grading.handed_in import grade_files
 from grader.host.frames import Ended, Script
+from grader.launchers import fork_server
 from grader.link.exchange import HostDied, HostForged, HostHung
 from grader.link.hosts import ForkServer
 from grader.link.link import Link
 from grader.link.scratch import fresh_folder
 from grader.link.workplace import Excess
-from sim.messages import EPOCH_NS
 
 DIED = "the node died"  # a skeleton doesn't, unless ROS can't start here
 IMPORT_LIMIT = 120.0  # [s] from a cold disk
@@ -44,7 +44,7 @@ def why_none_runs() -> str:
 
 def imports_that_fail() -> Iterator[str]:
     """Import what exercises need, as a node does and under its limits; say what can't be."""
-    with ForkServer(EPOCH_NS) as server:
+    with fork_server() as server:
         for exercise in all_exercises():
             names = [name for name in exercise.libraries if _is_installed(name)]
             if names and (problem := _import(server, names)):
@@ -66,7 +66,7 @@ def _import(server: ForkServer, names: list[str]) -> str:
 
 def _answer(link: Link, script: Script) -> str:
     try:
-        answer, _ = link.ask(script, IMPORT_LIMIT)
+        answer, _ = link.run_script(script, IMPORT_LIMIT)
     except HostHung:
         return f"it was not done after {IMPORT_LIMIT:.0f} s."
     except (HostDied, HostForged, Excess) as error:

@@ -1,6 +1,6 @@
 """Entry of the fork server, started by the judge only.
 
-python -m grader.host CONTROL_FD EPOCH_NS nodes|scripts|live|tests LAYER,… LANDLOCK [LIBRARY …]
+python -m grader.host CONTROL_FD EPOCH_NS KIND LAYER,… LANDLOCK ADVICE [LIBRARY …]
 """
 
 from __future__ import annotations
@@ -10,6 +10,6 @@ import sys
 
 from .forkserver import serve
 
-control, epoch, kind, layers, landlock, *libraries = sys.argv[1:]
+control, epoch, kind, layers, landlock, advice, *libraries = sys.argv[1:]
 judge = socket.socket(fileno=int(control))
-serve(judge, int(epoch), kind, layers.split(","), int(landlock), libraries)
+serve(judge, int(epoch), kind, layers.split(","), int(landlock), advice, libraries)

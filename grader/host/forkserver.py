@@ -28,6 +28,7 @@ from typing import Any, NamedTuple
 
 import msgspec
 
+from . import advice as advice_module
 from . import imports, scripts, stand_ins
 from .frames import ENTERED, REFUSED, Birth, Clear, Done, Fault, Furnish, Hello, Request
 from .kinds import LIVE, NODES, TESTS
@@ -80,17 +81,18 @@ def serve(
     kind: str,
     layers: Collection[str],
     landlock: int,
+    advice: str,
     libraries: Sequence[str],
 ) -> None:
     """Fork hosts until the judge closes `control`; import `libraries` before.
 
     `layers` are the layers of isolation that the judge wants, if the machine has them, and
-    `landlock` is the newest version of Landlock that is to be used.
+    `landlock` is the newest version of Landlock that is to be used; `advice` names an `Advice`.
     """
     from .sandbox import layers as sandbox_layers  # noqa: PLC0415  (only Linux can import it)
 
     may_mount = sandbox_layers.begin(layers)
-    body = prepared(kind, epoch, libraries)
+    body = prepared(kind, epoch, advice, libraries)
     means = sandbox_layers.prepare(layers, may_mount=may_mount, newest=landlock)
     control.sendall(msgspec.json.encode(means))
     gc.freeze()
@@ -107,7 +109,7 @@ def serve(
         _bury(pidfd, child, alone=True)
 
 
-def prepared(kind: str, epoch: int, libraries: Sequence[str]) -> Body:
+def prepared(kind: str, epoch: int, advice: str, libraries: Sequence[str]) -> Body:
     """Import what takes long; return what a host of this kind does with its link."""
     body: Body = scripts.serve
     if kind in (NODES, TESTS):
@@ -119,6 +121,7 @@ def prepared(kind: str, epoch: int, libraries: Sequence[str]) -> Body:
     elif kind == LIVE:
         _warm_up(virtual=False)
         body = _run_live
+    advice_module.use(advice)
     _import(libraries)
     inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
     imports.host.settle()

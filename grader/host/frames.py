@@ -21,9 +21,7 @@ MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario b
 MAX_STDIN = 1024 * 1024  # [bytes]
 MAX_KEYS = 4096  # [bytes]
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
-MAX_QUESTIONS = 64  # to models of the judge's, at a time
-MAX_ROWS = 1_000  # of features in one question
-MAX_COLUMNS = 64  # features in a row
+MAX_QUESTIONS = 64  # to the judge, at a time
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
 LENGTH = struct.Struct("<I")
 # In stdout and stderr, followed by the time [ns]: what comes next was said then. ".7" after that
@@ -95,29 +93,17 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
 
 
 class Question(msgspec.Struct, array_like=True, frozen=True):
-    """Something that a model is asked whose answers the judge has, or a program of the grader's."""
+    """What a program asks the judge; its launcher's owner knows the bytes."""
 
     number: Nanoseconds  # the host's own, to find who asked
-    method: Annotated[
-        str, msgspec.Meta(pattern="^(load|predict|predict_proba|request|turn|answer)$")
-    ]
-    file: Name  # of the model, or the service
-    load: Nanoseconds = 0  # which load of it answers; 0 while it is loaded; of answers: which turn
-    rows: Annotated[int, msgspec.Meta(ge=0, le=MAX_ROWS)] = 0  # of answers: 1 with success
-    features: bytes = b""  # (rows, columns) float64; of answers: the message
+    data: bytes
 
 
 class Told(msgspec.Struct, array_like=True, frozen=True):
-    """What the model says."""
+    """The answer to a question."""
 
     number: Nanoseconds
-    problem: Text = ""  # what it raises; "" if it doesn't
-    error: str = ""  # the type of that exception, by the name that it has in `raises`
-    load: Nanoseconds = 0
-    shape: tuple[int, ...] = ()
-    numbers: bytes = b""  # float64
-    dtype: str = "float64"  # of what the model says
-    labels: tuple[str, ...] = ()
+    data: bytes
     wait: Nanoseconds = 0  # [ns] in a start-up, before the scenario: the host lets them pass
 
 
@@ -131,7 +117,7 @@ class Run(msgspec.Struct, frozen=True, tag="run"):
 
 
 class Answers(msgspec.Struct, frozen=True, tag="answers"):
-    """To a host in real time: what models say, now."""
+    """To a host in real time: what the judge says, now."""
 
     told: tuple[Told, ...]
 
@@ -144,25 +130,11 @@ class Script(msgspec.Struct, frozen=True, tag="script"):
     seed: Annotated[int, msgspec.Meta(ge=0, lt=2**32)]  # of `random` and numpy's generator
 
 
-class LoadModels(msgspec.Struct, frozen=True, tag="load_models"):
-    """Load these files of the working folder, pickles and one ONNX model."""
+class Task(msgspec.Struct, frozen=True, tag="task"):
+    """Carry out an order in the host: a function of the launcher's owner, who knows the bytes."""
 
-    pickles: tuple[str, ...]
-    onnx: str
-
-
-class Predict(msgspec.Struct, frozen=True, tag="predict"):
-    """Ask a model about these features."""
-
-    file: str
-    features: bytes  # (n, 5) float64
-
-
-class ReadPackage(msgspec.Struct, frozen=True, tag="read_package"):
-    """Read the colcon packages in these folders, and the launch file that is named."""
-
-    launch: str = ""
-    folders: tuple[str, ...] = ("",)  # below the working folder
+    function: Name  # "module:function"; it takes bytes and returns bytes
+    data: bytes
 
 
 class Published(msgspec.Struct, array_like=True, frozen=True):
@@ -273,7 +245,7 @@ class Pulse(msgspec.Struct, frozen=True, tag="pulse"):
 
 
 class Asking(msgspec.Struct, frozen=True, tag="asking"):
-    """A program in real time asks a model of the judge's."""
+    """A program in real time asks the judge."""
 
     asked: Annotated[list[Question], msgspec.Meta(max_length=MAX_QUESTIONS)]
 
@@ -291,63 +263,10 @@ class HeardNow(msgspec.Struct, frozen=True, tag="heard"):
     published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]
 
 
-class Tensor(msgspec.Struct, array_like=True, frozen=True):
-    """An input or output of an ONNX model."""
+class Carried(msgspec.Struct, frozen=True, tag="carried"):
+    """What a task has come to."""
 
-    type: Name  # "tensor(float)"
-    shape: Annotated[tuple[Name, ...], msgspec.Meta(max_length=16)]  # "5", or "" where it is free
-
-
-Tensors = Annotated[tuple[Tensor, ...], msgspec.Meta(max_length=100)]
-
-
-class Loaded(msgspec.Struct, frozen=True, tag="loaded"):
-    """Which models could be loaded."""
-
-    problems: dict[Name, Text]  # by file; "" if there is none
-    inputs: Tensors = ()  # of the ONNX model
-    outputs: Tensors = ()
-
-
-class Predicted(msgspec.Struct, frozen=True, tag="predicted"):
-    """What a model said."""
-
-    problem: Text = ""
-    shape: Annotated[tuple[int, ...], msgspec.Meta(max_length=16)] = ()
-    values: bytes = b""  # float64
-
-
-class Executable(msgspec.Struct, array_like=True, frozen=True):
-    """What `ros2 run` can start of a package."""
-
-    name: Name
-    file: Name  # below the folder in which the package is installed
-    entry: Annotated[str, msgspec.Meta(pattern=r"^([\w.]{1,120}:[\w.]{1,120})?$")]
-    package: Name = ""
-
-
-Made = dict[Annotated[str, msgspec.Meta(pattern=r"^launch_params_\d{1,3}\.yaml$")], Text]
-
-
-class Launched(msgspec.Struct, array_like=True, frozen=True):
-    """A node of a launch file."""
-
-    executable: Name
-    arguments: Annotated[tuple[Text, ...], msgspec.Meta(max_length=200)]
-    package: Name = ""
-    needed: bool = False  # where it ends, all do
-    node: Name = ""  # its full name, if that is given ...
-    made: Made = {}  # ... and parameters for it
-
-
-class PackageRead(msgspec.Struct, frozen=True, tag="package_read"):
-    """What a package installs and can start."""
-
-    problem: Text = ""  # why it can't be built or launched
-    files: Annotated[dict[Name, Name], msgspec.Meta(max_length=2_000)] = {}  # place: source
-    executables: Annotated[tuple[Executable, ...], msgspec.Meta(max_length=100)] = ()
-    launched: Annotated[tuple[Launched, ...], msgspec.Meta(max_length=8)] = ()
-    notes: Annotated[tuple[Text, ...], msgspec.Meta(max_length=20)] = ()  # what is not started
+    data: bytes
 
 
 class RunTest(msgspec.Struct, frozen=True, tag="run_test"):
@@ -425,13 +344,12 @@ class Slept(msgspec.Struct, frozen=True, tag="slept"):
 
 
 ToHost = (
-    Start | Run | Answers | Script | LoadModels | Predict | ReadPackage | TuneIn | Meet | Transmit
-    | RunTest
+    Start | Run | Answers | Script | Task | TuneIn | Meet | Transmit | RunTest
 )  # fmt: skip
 ToJudge = Settled | Ended | Slept  # from a host that runs nodes
 FromLive = Pulse | Asking | Ended  # from a host that runs a node in real time
 FromRadio = Tuned | HeardNow
-FromScript = Ended | Loaded | Predicted | PackageRead  # from a host that runs scripts
+FromScript = Ended | Carried  # from a host that runs scripts, or carries out a task
 FromTest = Reported | Ended  # from a host that runs a test
 
 _encoder = msgspec.msgpack.Encoder()

@@ -17,7 +17,7 @@ from .wire import Wire
 BINARY = getattr(os, "O_BINARY", 0)  # Windows: no other line ends
 
 
-def serve(kind: str, epoch: str, *rest: str) -> None:
+def serve(kind: str, epoch: str, advice: str, *rest: str) -> None:
     """Import what takes long, tell the judge, and run what it asks for; never returns.
 
     `rest` are the libraries to import, and the files for stdout and stderr.
@@ -26,7 +26,7 @@ def serve(kind: str, epoch: str, *rest: str) -> None:
     link_in, link_out = _take_pipes(stdout, stderr)
     from . import forkserver  # noqa: PLC0415  (only now are the pipes safe from what it prints)
 
-    body = forkserver.prepared(kind, int(epoch), libraries)
+    body = forkserver.prepared(kind, int(epoch), advice, libraries)
     os.write(link_out, LENGTH.pack(0))  # ready
     enter(msgspec.json.decode(Wire(link_in, link_out).read_frame(), type=Request).folder)
     body(link_in, link_out)

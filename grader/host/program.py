@@ -15,12 +15,12 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import thread as futures
 from pathlib import Path
 
-from . import deaths, hints, imports, randomness
+from . import advice, imports, randomness
 from .frames import ASKED_TO_END, NO_NODE, Note, ProgramStart, Start
-from .slips import slips
 from .source import compiled
 from .virtual import signals
 from .virtual.session import Session
+from .wire import steady
 
 OURS = Path(__file__).parent
 MAX_ACCOUNT, MAX_TRACE = 4_000, 12_000  # [characters]
@@ -32,7 +32,7 @@ def run(session: Session, start: Start) -> None:
 
     randomness.seed(start.seed)
     enter_folders(start.programs)
-    hints.tell_of_shell_commands()
+    advice.given.begin()
     if len(start.programs) == 1 and start.programs[0].start == 0:
         kill = signals.install_alone(session.kernel, session.bridge.contexts)
         session.interrupt = lambda: kill(os.getpid(), signal.SIGINT)
@@ -99,7 +99,7 @@ def run_file(
         code = compiled(program.file)
         if program.entry:
             code = compile(_starter(program.entry), "<ros2 run>", "exec", dont_inherit=True)
-        for said in slips(Path(program.file).read_bytes()):
+        for said in advice.given.slips(Path(program.file).read_bytes()):
             print(said, file=sys.stderr)
     except (SyntaxError, ValueError) as error:  # ValueError: null bytes
         return "syntax_error", _syntax_error_text(error), _detail(error, program)
@@ -191,40 +191,33 @@ def _exception_text(error: BaseException, program: ProgramStart) -> str:
 
 def _first(error: BaseException) -> BaseException:
     try:
-        return deaths.first_of(error)
+        return advice.given.cause(error)
     except Exception:  # the exception is the student's, and may be anything
         return error
 
 
 def _advice(error: BaseException) -> str:
     try:
-        return hints.hint(error)
+        return advice.given.hint(error)
     except Exception:  # the exception is the student's, and may be anything
         return ""
 
 
 def _first_line(error: BaseException) -> str:
     try:
-        return deaths.readable((str(error).splitlines() or [""])[0])
+        return steady((str(error).splitlines() or [""])[0])
     except Exception:
         return "(its text could not be read)"
 
 
 def _detail(error: BaseException, program: ProgramStart) -> str:
-    """Print the student's own lines first; then comes Python's traceback."""
+    """Return what is said of an exception, and Python's traceback after it."""
     trace = _own_traceback(error)
     try:
-        if isinstance(error, SyntaxError) and _is_own(error, program):
-            told = deaths.account_of_syntax(error)
-        else:
-            told = deaths.account(error, folder_of(program))
+        told = advice.given.account(error, folder_of(program))
     except Exception:  # the exception is the student's, and may be anything
         return trace
-    return f"{told[:MAX_ACCOUNT]}\n\n{trace[-MAX_TRACE:]}"
-
-
-def _is_own(error: SyntaxError, program: ProgramStart) -> bool:
-    return Path(error.filename or "").is_relative_to(folder_of(program))
+    return f"{told[:MAX_ACCOUNT]}\n\n{trace[-MAX_TRACE:]}" if told else trace
 
 
 def _own_traceback(error: BaseException) -> str:

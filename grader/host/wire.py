@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import sys
 from collections.abc import Callable
 
@@ -22,6 +23,8 @@ from .frames import (
     encode,
 )
 
+ADDRESS = re.compile(r" at 0x[0-9a-f]+")
+BUILT_IN = re.compile(r"<built-in method (\w+) of [^<>]*>")
 MAX_LINE = MAX_TEXT // 10  # [characters]
 
 
@@ -113,6 +116,11 @@ def flush_output() -> None:
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(Exception):
             stream.flush()
+
+
+def steady(text: str) -> str:
+    """Return a text without addresses, which differ from run to run and tell nothing."""
+    return ADDRESS.sub("", BUILT_IN.sub(r"\1()", text))
 
 
 def sendable(text: str) -> str:

@@ -5,28 +5,31 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from grader.errors import InputError
 from grader.link.practice import PracticeServer
 from grader.link.ros_environment import find_ros
-from sim.messages import EPOCH_NS
 
 if TYPE_CHECKING:
     from grader.link.hosts import ForkServer
 
 
 def start_launcher(
-    libraries: tuple[str, ...] = (), *, portable: bool = False
+    epoch: int, libraries: tuple[str, ...] = (), *, portable: bool = False, **options: Any
 ) -> ForkServer | PracticeServer:
     """Start what starts hosts.
 
     Parameters
     ----------
+    epoch
+        ROS time of a scenario's start [ns].
     libraries
         Modules that are imported before a host is asked to work.
     portable
         Take the portable runtime also where the real rclpy is.
+    options
+        `advice` and `workshop` of `ForkServer`.
 
     Raises
     ------
@@ -34,10 +37,10 @@ def start_launcher(
         There is neither.
     """
     if portable or why_not_linux():
-        return PracticeServer(EPOCH_NS, libraries=libraries)
+        return PracticeServer(epoch, libraries=libraries, **options)
     from grader.link.hosts import ForkServer  # noqa: PLC0415
 
-    return ForkServer(EPOCH_NS, libraries=libraries)
+    return ForkServer(epoch, libraries=libraries, **options)
 
 
 def why_not_linux() -> str:

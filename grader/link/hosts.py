@@ -31,7 +31,7 @@ from grader.link.link import Link
 from grader.link.locks import held
 from grader.link.pipes import Pipes
 from grader.link.ros_environment import RosEnvironment, find_ros
-from grader.link.settings import LEARNING, NO_GPU, SAME_RUNS, TRAINING_LIBRARIES
+from grader.link.settings import LEARNING, NO_GPU, SAME_RUNS
 from grader.link.shared_memory import remove_half_made_ports, shared_memory_of
 from grader.link.workplace import Watch, Workplace
 
@@ -74,6 +74,10 @@ class ForkServer:
         The layers of isolation that its hosts put on where the machine has them; all by default.
     landlock
         The newest version (ABI) of Landlock that they use: to see what an older kernel leaves open.
+    advice
+        What hosts say of their programs: a subclass of `Advice`, as "module:Class".
+    workshop
+        What `libraries` is, for the hosts of scripts.
     """
 
     practice = ""  # a grading made here is not for practice only
@@ -87,6 +91,8 @@ class ForkServer:
         kind: str = NODES,
         layers: Collection[str] = LAYERS,
         landlock: int = NEWEST,
+        advice: str = "",
+        workshop: Sequence[str] = (),
     ) -> None:
         hide_memory()  # from hosts that may be the same user
         self._epoch = epoch
@@ -97,6 +103,8 @@ class ForkServer:
         self._lock = threading.Lock()
         self._wanted = tuple(layers)
         self._landlock = landlock
+        self._advice = advice
+        self._workshop_libraries = tuple(workshop)
         self._means = Hello(())
         self._users = itertools.cycle(USERS)
         for _ in range(os.getpid() % len(USERS)):  # away from other graders on this machine
@@ -149,7 +157,7 @@ class ForkServer:
     @property
     def workshop(self) -> ForkServer:
         """The fork server for scripts that goes with this one."""
-        return self._sister(SCRIPTS, TRAINING_LIBRARIES)
+        return self._sister(SCRIPTS, self._workshop_libraries)
 
     @property
     def live(self) -> ForkServer:
@@ -161,7 +169,7 @@ class ForkServer:
             if kind not in self._sisters:
                 sister = ForkServer(
                     self._epoch, self.ros, libraries=libraries, kind=kind, layers=self._wanted,
-                    landlock=self._landlock,
+                    landlock=self._landlock, advice=self._advice,
                 )  # fmt: skip
                 sister._users = self._users  # no two hosts are the same user
                 self._sisters[kind] = sister
@@ -248,8 +256,8 @@ class ForkServer:
     def _command(self, control: int) -> list[str]:
         paths = [str(ROOT), *map(str, self.ros.python_path)]
         layers = ",".join(self._wanted)
-        words = (control, self._epoch, self._kind, layers, self._landlock, *self._libraries)
-        arguments = [str(word) for word in words]
+        words = (control, self._epoch, self._kind, layers, self._landlock, self._advice)
+        arguments = [*map(str, words), *self._libraries]
         boot = (
             f"import sys; sys.path[:1] = {paths!r}; sys.argv[1:] = {arguments!r};"
             "from grader.host import imports; imports.host.watch();"

@@ -21,16 +21,14 @@ from pathlib import Path
 from typing import Generic, NoReturn, Protocol, cast
 
 from grader.errors import GraderError
-from grader.host import forkserver, imports, practice
+from grader.host import advice as advice_module
+from grader.host import forkserver, imports, practice, scripts
 from grader.host.frames import (
+    Carried,
     FromScript,
-    LoadModels,
-    PackageRead,
-    Predict,
-    ReadPackage,
     Run,
-    Script,
     Start,
+    Task,
     ToHost,
     ToJudge,
 )
@@ -100,12 +98,14 @@ class InProcess:
         epoch: int,
         reached: Callable[[float], object] = lambda _: None,
         stacks: Stacks | None = None,
+        advice: str = "",
     ) -> None:
         self.reached = reached
         self.stacks = stacks or _OneStack()
         os.environ.update({**SAME_RUNS, **NO_GPU})  # rclpy reads some of it once
         self._epoch = epoch
         self._kernel = forkserver.prepare_nodes(epoch)
+        advice_module.use(advice)
         inspect.getmodule(sys._getframe())  # as `forkserver.prepared` does
         imports.host.settle()
         self._used = False
@@ -149,22 +149,20 @@ class InProcess:
         imports.host.leave()
         return wire.outcome()
 
-    def read(self, order: ReadPackage, host: _Host) -> PackageRead:
-        """Read a package, or a launch file: a program as well, so this takes a copy of its own.
+    def carry_out(self, task: Task, host: _Host) -> Carried:
+        """Carry out a task, which may run a program: so this takes a copy of its own.
 
         Raises
         ------
         HostDied
             It has ended the process.
         """
-        from grader.host import packages  # noqa: PLC0415  (few copies need it)
-
-        read: list[PackageRead] = []
+        carried: list[Carried] = []
         with host.printing():
-            self.stacks.run(lambda: read.append(packages.read(order.launch, order.folders)))
-        if not read:
+            self.stacks.run(lambda: carried.append(scripts.carried_out(task)))
+        if not carried:
             raise HostDied
-        return read[0]
+        return carried[0]
 
 
 class _OwnLink(Link):
@@ -178,12 +176,8 @@ class _OwnLink(Link):
         """Hold a conversation to its end; return what it returns."""
         return self._own.launcher.hold(conversation, self._own)
 
-    def ask(
-        self, frame: Script | LoadModels | Predict | ReadPackage, limit: float
-    ) -> tuple[FromScript, Cost]:
-        """Have a package read, as far as orders can be given here; it raises as `run` does."""
-        assert isinstance(frame, ReadPackage)
-        return self._own.launcher.read(frame, self._own), Cost(0.0, 0.0)
+    def _carry_out(self, task: Task, limit: float) -> tuple[FromScript, Cost]:
+        return self._own.launcher.carry_out(task, self._own), Cost(0.0, 0.0)
 
 
 class _Host:

@@ -9,21 +9,23 @@ from __future__ import annotations
 from collections.abc import Callable, Generator
 from typing import Protocol, TypeVar
 
+import msgspec
+
 from grader.host.frames import (
+    Carried,
+    Ended,
     FromScript,
-    LoadModels,
-    Predict,
-    ReadPackage,
     Run,
     Script,
     Start,
+    Task,
     ToHost,
     ToJudge,
     decode_from_script,
     decode_to_judge,
     encode,
 )
-from grader.link.exchange import Answer, Cost, decoded
+from grader.link.exchange import Answer, Cost, HostForged, decoded
 from grader.link.log import LogLine
 from grader.link.output import Output
 
@@ -100,11 +102,29 @@ class Link:
         """
         return self._exchange(frame, limit, decode_to_judge)
 
-    def ask(
-        self, frame: Script | LoadModels | Predict | ReadPackage, limit: float
-    ) -> tuple[FromScript, Cost]:
-        """Give an order to a host that runs scripts, or reads; it raises as `run` does."""
-        return self._exchange(frame, limit, decode_from_script)
+    def run_script(self, script: Script, limit: float) -> tuple[Ended, Cost]:
+        """Run a program that returns, in real time; it raises as `run` does."""
+        answer, cost = self._exchange(script, limit, decode_from_script)
+        if not isinstance(answer, Ended):
+            raise HostForged("an answer to another order")
+        return answer, cost
+
+    def carry_out(
+        self, function: str, order: msgspec.Struct, answer: type[Answer], limit: float
+    ) -> tuple[Answer, Cost]:
+        """Have a function of a module carry out an order; return its answer.
+
+        Its launcher has to have imported the module ("module:function"), as one of its libraries.
+        It raises as `run` does.
+        """
+        task = Task(function, msgspec.msgpack.encode(order))
+        said, cost = self._carry_out(task, limit)
+        if not isinstance(said, Carried):
+            raise HostForged("an answer to another order")
+        return decoded(said.data, msgspec.msgpack.Decoder(answer).decode), cost
+
+    def _carry_out(self, task: Task, limit: float) -> tuple[FromScript, Cost]:
+        return self._exchange(task, limit, decode_from_script)
 
     def _exchange(
         self, frame: ToHost, limit: float, decode: Callable[[bytes], Answer]

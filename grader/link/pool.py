@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
-
-from grader.link.choice import start_launcher
 
 if TYPE_CHECKING:
     from grader.link.hosts import ForkServer
     from grader.link.practice import PracticeServer
+
+    AnyServer = ForkServer | PracticeServer
 
 
 class ForkServerPool:
@@ -18,15 +19,18 @@ class ForkServerPool:
 
     Parameters
     ----------
+    start
+        Starts one that has imported these modules.
     most
         How many may be warm at once; the one that has waited longest goes first. None: any number.
     """
 
-    def __init__(self, most: int | None = None) -> None:
+    def __init__(
+        self, start: Callable[[tuple[str, ...]], AnyServer], most: int | None = None
+    ) -> None:
+        self._start = start
         self._most = most
-        self._warm: dict[
-            tuple[str, ...], ForkServer | PracticeServer
-        ] = {}  # the one used last is the last
+        self._warm: dict[tuple[str, ...], AnyServer] = {}  # the one used last is the last
 
     def __enter__(self) -> ForkServerPool:
         return self
@@ -34,7 +38,7 @@ class ForkServerPool:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def of(self, libraries: tuple[str, ...] = ()) -> ForkServer | PracticeServer:
+    def of(self, libraries: tuple[str, ...] = ()) -> AnyServer:
         """Return the fork server that has imported these modules; or what takes its place here.
 
         Raises
@@ -46,7 +50,7 @@ class ForkServerPool:
         if forkserver is None:
             while self._most is not None and len(self._warm) >= self._most:
                 self._end(next(iter(self._warm)))
-            forkserver = start_launcher(libraries)
+            forkserver = self._start(libraries)
         self._warm[libraries] = forkserver
         return forkserver
 

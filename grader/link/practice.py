@@ -30,7 +30,7 @@ from grader.link.link import Link
 from grader.link.log import LogLine
 from grader.link.output import MAX_OUTPUT, Output, in_order
 from grader.link.ros_environment import portable_ros
-from grader.link.settings import LEARNING, NO_GPU, SAME_RUNS, TRAINING_LIBRARIES
+from grader.link.settings import LEARNING, NO_GPU, SAME_RUNS
 from grader.link.workplace import Workplace
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -64,16 +64,30 @@ class PracticeServer:
         Modules that are imported before a host is asked to work.
     kind
         What its hosts run: nodes in virtual time, or scripts that return.
+    advice
+        What hosts say of their programs: a subclass of `Advice`, as "module:Class".
+    workshop
+        What `libraries` is, for the hosts of scripts.
     """
 
     layers: tuple[str, ...] = ()  # of isolation
     isolation = NO_ISOLATION
     practice = PRACTICE
 
-    def __init__(self, epoch: int, *, libraries: Sequence[str] = (), kind: str = NODES) -> None:
-        self._arguments = [kind, str(epoch), *libraries]
+    def __init__(
+        self,
+        epoch: int,
+        *,
+        libraries: Sequence[str] = (),
+        kind: str = NODES,
+        advice: str = "",
+        workshop: Sequence[str] = (),
+    ) -> None:
+        self._arguments = [kind, str(epoch), advice, *libraries]
         self._epoch = epoch
         self._kind = kind
+        self._advice = advice
+        self._workshop_libraries = tuple(workshop)
         self.ros = portable_ros()
         self._lock = threading.Lock()
         self._ready: deque[PracticeHost] = deque()
@@ -95,7 +109,10 @@ class PracticeServer:
         with self._lock:
             if self._workshop is None:
                 self._workshop = PracticeServer(
-                    self._epoch, libraries=TRAINING_LIBRARIES, kind=SCRIPTS
+                    self._epoch,
+                    libraries=self._workshop_libraries,
+                    kind=SCRIPTS,
+                    advice=self._advice,
                 )
             return self._workshop
 

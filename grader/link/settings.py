@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 
-TRAINING_LIBRARIES = ("numpy", "sklearn.ensemble", "skl2onnx", "onnxruntime")
 NO_GPU = {"CUDA_VISIBLE_DEVICES": ""}  # the same run on every machine
 LEARNING = {  # for whoever imports Keras
     "KERAS_BACKEND": "torch",

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from grader.errors import GraderError
-from grader.host.supplied import classifiers, probes
-from grader.host.supplied.kept import Kept, KeptClassifier
+from grader.hosted.supplied import classifiers, probes
+from grader.hosted.supplied.kept import Kept, KeptClassifier
 from grader.models.exporter import EXPORTER
 from sim.scenario import Model
 

@@ -1,8 +1,9 @@
 """The grader's ends of exercise 6's service: what its server answers, and when its client asks.
 
-The programs that hold these ends (`grader/host/supplied/detection_*.py`) run beside a student's, in
-virtual time in the same process. So they only carry: a request to the grader's server is answered
-here, and what the student's server answered is noted here, once for each time at which it is asked.
+The programs that hold these ends (`grader/hosted/supplied/detection_*.py`) run beside a student's,
+in virtual time in the same process. So they only carry: a request to the grader's server is
+answered here, and what the student's server answered is noted here, once for each time at which it
+is asked.
 """
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 
-from grader.host.frames import MAX_TEXT, Question, Told
+from grader.host.frames import MAX_TEXT
+from grader.hosted.questions import Question, Told
 from grader.recording.inferences import Inference
 from sim.faults import sensor_rng
 from sim.messages import EPOCH_NS
@@ -91,27 +93,27 @@ class Partners:
 
         Times [ns] are those of one clock; the scenario began at `began`.
         """
-        number, notes = question.number, list[Inference]()
+        notes = list[Inference]()
         match question.method:
             case "request":
-                return self._serve(number, now, now - began)
+                return self._serve(now, now - began)
             case "turn" if self._asked < len(self._turns):
                 turn, self._asked = self._asked, self._asked + 1
-                return Told(number, load=turn), max(0, began + self._turns[turn] - now), notes
+                return Told(load=turn), max(0, began + self._turns[turn] - now), notes
             case "turn":
-                return Told(number), NEVER, notes
+                return Told(), NEVER, notes
         turn = question.load
         if turn < self._asked and turn not in self._answered:
             self._answered.add(turn)
             message = question.features[:MAX_TEXT].decode(errors="replace")
             words, asked = (message, str(question.rows > 0).lower()), began + self._turns[turn]
             notes.append(Inference(ANSWER, SERVICE, asked, now, now - asked, labels=words))
-        return Told(number), 0, notes
+        return Told(), 0, notes
 
-    def _serve(self, number: int, now: int, at: int) -> tuple[Told, int, list[Inference]]:
+    def _serve(self, now: int, at: int) -> tuple[Told, int, list[Inference]]:
         life = next((life for life in self._lives if life.start <= at < life.stop), None)
         if life is None:  # before the scenario, in real time
-            return Told(number, "there is no scan yet"), 0, []
+            return Told("there is no scan yet"), 0, []
         request = life.requests
         kind, took = life.next()
         if at + took >= life.stop:
@@ -119,7 +121,7 @@ class Partners:
         message = self._message(kind, request, at + took)
         problem = message if kind in (REFUSED, UNSURE) else ""
         note = Inference(REQUEST, SERVICE, now, now + took, took, labels=(message, kind))
-        return Told(number, problem, labels=(message,)), took, [note]
+        return Told(problem, labels=(message,)), took, [note]
 
     def _message(self, kind: str, request: int, at: int) -> str:
         """Return an answer's text; no two good ones are the same, but those of the kind `same`."""

@@ -12,11 +12,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import msgspec
 import numpy as np
 from msgspec.structs import replace
 
-from grader.host.frames import MAX_QUESTIONS, Question, Told
-from grader.host.supplied.kept import WRONG_SHAPE
+from grader.host import frames
+from grader.host.frames import MAX_QUESTIONS
+from grader.hosted.questions import Question, Told
+from grader.hosted.supplied.kept import WRONG_SHAPE
+from grader.link.exchange import decoded
 from grader.models.arrived import Arrived
 from grader.models.files import is_kept, probe
 from grader.models.partners import SERVICE, TURN, Partners
@@ -28,6 +32,7 @@ from sim.scenario import Scenario
 MOST = 20_000  # questions in one trial
 MOST_ROWS = 50_000  # of features in all of them: checks compare each command with each prediction
 SPREAD = 0.04  # by which the times of a model that has several differ between students
+DECODER = msgspec.msgpack.Decoder(Question)
 IN_START_UP = -1  # [ns] when a question was asked before the scenario
 
 
@@ -54,7 +59,9 @@ class ModelService:
     delivered: Sequence[Message] = ()
     began: int | None = 0
     inferences: list[Inference] = field(default_factory=list)
-    _owed: list[tuple[int, int, Any, Told]] = field(default_factory=list)  # due [ns], …, to whom
+    _owed: list[tuple[int, int, Any, frames.Told]] = field(
+        default_factory=list
+    )  # due [ns], …, to whom
 
     def __post_init__(self) -> None:
         self._models = {
@@ -66,34 +73,39 @@ class ModelService:
         self._loads = dict.fromkeys(self._models, 0)
         self._sequence = itertools.count()
         self._partners = Partners(self.scenario, self.seed)
-        self._early: list[tuple[Question, Any]] = []  # turns that wait for the scenario's start
+        self._early: list[
+            tuple[frames.Question, Any]
+        ] = []  # turns that wait for the scenario's start
         self._count = 0  # of questions
         self._rows = 0
 
     # --- asked while time goes by ----------------------------------------------------------------
 
-    def ask(self, question: Question, now: int, who: Any = None) -> None:
+    def ask(self, asked: frames.Question, now: int, who: Any = None) -> None:
         """Take a question in at a time [ns]; its answer is due later.
 
         Raises
         ------
         TooManyQuestions
             There were more than MOST, or more than MOST_ROWS of features.
+        HostForged
+            It is no question.
         """
+        question = _question(asked)
         if question.method == TURN and self.began is None:
             if len(self._early) == MAX_QUESTIONS:
                 raise TooManyQuestions(f"more than {MAX_QUESTIONS} programs that wait to ask")
-            self._early.append((question, who))
+            self._early.append((asked, who))
             return
         told, took = self._answer(question, now)
-        heapq.heappush(self._owed, (now + took, next(self._sequence), who, told))
+        heapq.heappush(self._owed, (now + took, next(self._sequence), who, _told(asked, told)))
 
     @property
     def next_due(self) -> int | None:
         """When the next answer is due [ns], if one is."""
         return self._owed[0][0] if self._owed else None
 
-    def due(self, now: int) -> list[tuple[Any, Told]]:
+    def due(self, now: int) -> list[tuple[Any, frames.Told]]:
         """Return the answers that are due by now [ns], with whom they are for."""
         found = []
         while self._owed and self._owed[0][0] <= now:
@@ -120,10 +132,10 @@ class ModelService:
 
     # --- asked before time begins ----------------------------------------------------------------
 
-    def at_once(self, question: Question) -> Told:
+    def at_once(self, asked: frames.Question) -> frames.Told:
         """Return the answer to a question of a start-up; it says how long the model takes."""
-        told, took = self._answer(question, IN_START_UP)
-        return replace(told, wait=took)
+        told, took = self._answer(_question(asked), IN_START_UP)
+        return _told(asked, told, wait=took)
 
     # --- what they say ---------------------------------------------------------------------------
 
@@ -167,34 +179,34 @@ class ModelService:
         return predicted.labels
 
     def _said(self, question: Question) -> tuple[Told, float]:
-        number, model = question.number, self._models.get(question.file)
+        model = self._models.get(question.file)
         if model is None:
-            return Told(number, f"there is no model {question.file}"), 0.0
+            return Told(f"there is no model {question.file}"), 0.0
         if question.method == "load":
             self._loads[question.file] += 1
             model.loads = self._loads[question.file]
-            return Told(number, load=model.loads), float(getattr(model, "load_seconds", 0.0))
+            return Told(load=model.loads), float(getattr(model, "load_seconds", 0.0))
         if not 1 <= question.load <= self._loads[question.file]:
-            return Told(number, f"{question.file} was not loaded"), 0.0
+            return Told(f"{question.file} was not loaded"), 0.0
         rows = np.frombuffer(question.features[: len(question.features) // 8 * 8])
         if not question.rows or not len(rows) or len(rows) % question.rows:
-            return Told(number, WRONG_SHAPE, error="ValueError"), 0.0
+            return Told(WRONG_SHAPE, error="ValueError"), 0.0
         rows = rows.reshape(question.rows, -1)
         if self.scenario.node.models[question.file].any_features:
             rows = self._arrived.instead_of(rows)
         if rows.shape[1] == 1:  # a row, where a table is asked for
-            return Told(number, WRONG_SHAPE, error="ValueError"), 0.0
+            return Told(WRONG_SHAPE, error="ValueError"), 0.0
         seconds = self._seconds(model, rows) if question.method == "predict" else 0.0
         try:
             with np.errstate(all="ignore"):
                 answer = np.asarray(getattr(model, question.method)(rows))
         except Exception as error:  # a probe that raises does so on purpose
-            return Told(number, str(error), type(error).__name__), seconds
+            return Told(str(error), type(error).__name__), seconds
         if answer.dtype.kind == "U":
-            return Told(number, shape=answer.shape, labels=tuple(answer.tolist())), seconds
+            return Told(shape=answer.shape, labels=tuple(answer.tolist())), seconds
         numbers = answer.astype(float)
         return Told(
-            number, shape=numbers.shape, numbers=numbers.tobytes(), dtype=answer.dtype.name
+            shape=numbers.shape, numbers=numbers.tobytes(), dtype=answer.dtype.name
         ), seconds
 
     def _seconds(self, model: Any, rows: np.ndarray) -> float:
@@ -206,3 +218,12 @@ class ModelService:
             return seconds
         rng = sensor_rng(self.seed, f"a model that takes {seconds}")
         return seconds * (1.0 + float(rng.uniform(-SPREAD, SPREAD)))
+
+
+def _question(asked: frames.Question) -> Question:
+    """Decode a question; HostForged if it isn't one."""
+    return decoded(asked.data, DECODER.decode)
+
+
+def _told(asked: frames.Question, told: Told, wait: int = 0) -> frames.Told:
+    return frames.Told(asked.number, msgspec.msgpack.encode(told), wait)

@@ -33,6 +33,7 @@ from grader.drive import (
 )
 from grader.errors import GraderError, InputError
 from grader.grading.grading import grade_submission
+from grader.launchers import launcher_pool
 from grader.link.launcher import Launcher
 from grader.link.pool import ForkServerPool
 from grader.notebook.answers import graded
@@ -62,7 +63,7 @@ def main() -> None:
     orders: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(sys.stdin.buffer, orders), daemon=True).start()
     send = _sender(answers)
-    with contextlib.suppress(KeyboardInterrupt, BrokenPipeError), ForkServerPool() as forkservers:
+    with contextlib.suppress(KeyboardInterrupt, BrokenPipeError), launcher_pool() as forkservers:
         while line := orders.get():
             order = msgspec.json.decode(line, type=Order)
             answer = carry_out(order, forkservers, send)

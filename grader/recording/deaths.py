@@ -1,6 +1,6 @@
 """How a node died or hung, as its host told it: the place, the student's own lines, their values.
 
-`grader.host.deaths` writes what is read here. All of it is the program's own word: it explains a
+`grader.advice.deaths` writes what is read here. All of it is the program's own word: it explains a
 failure, and never decides one.
 """
 

@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.host.frames import Tensor
+from grader.hosted.models import Tensor
 
 Floats = NDArray[np.float64]
 

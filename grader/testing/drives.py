@@ -12,7 +12,7 @@ import pytest
 from grader.course.submission import find_submission
 from grader.drive import drive_node, scenario_for
 from grader.errors import GraderError, InputError
-from grader.link.choice import start_launcher
+from grader.launchers import start_launcher
 from grader.link.practice import PracticeServer
 from grader.report.foreign import readable
 from grader.testing.run import Run, write_replays

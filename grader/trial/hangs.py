@@ -10,9 +10,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from grader.advice.rules import wait_for_good
 from grader.course.beside import PYTHON
 from grader.course.submission import Submission, read_regular_file
-from grader.host.rules import wait_for_good
 from grader.recording import Recording
 
 ENTRY = re.compile(r'  File "(?P<file>[^"\n]+)", line (?P<line>\d{1,6}) in (?P<function>.{1,80})')

@@ -10,9 +10,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
+from grader.colcon.frames import READ, Executable, Launched, PackageRead, ReadPackage
 from grader.course.beside import MAX_FILES, PYTHON, listed, may_come
 from grader.course.submission import LAUNCH, Package, Program, Submission, read_regular_file
-from grader.host.frames import Executable, Launched, PackageRead, ReadPackage
 from grader.link.exchange import HostDied, HostForged, HostHung
 from grader.link.launcher import Launcher
 from grader.link.workplace import Excess
@@ -34,9 +34,8 @@ def unpacked(submission: Submission, launcher: Launcher) -> Submission:
         launch = _launch_file(submission.beside, Path(package.main).stem)
     try:
         with submission.folder() as folder, launcher.host(folder) as link:
-            answer, _ = link.ask(ReadPackage(launch, package.folders), LIMIT)
-        if not isinstance(answer, PackageRead):
-            raise HostForged("no package")
+            order = ReadPackage(launch, package.folders)
+            answer, _ = link.carry_out(READ, order, PackageRead, LIMIT)
     except (HostHung, HostDied, HostForged, Excess) as error:
         said = str(error) or "no answer"
         return replace(submission, problem=f"the package could not be read ({said})")

@@ -17,7 +17,7 @@ from sim.scenario import ProgramSpec, Scenario
 
 FIRST = "course_"  # before the name of a launch file's parameters: what goes before them
 # programs of ours that run beside students'
-SUPPLIED = Path(__file__).parents[1] / "host" / "supplied"
+SUPPLIED = Path(__file__).parents[1] / "hosted" / "supplied"
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,8 @@ import numpy as np
 from grader.course import installed
 from grader.course.submission import Submission, read_regular_file
 from grader.errors import GraderError
-from grader.host.frames import Ended, Loaded, LoadModels, Predict, Predicted, Script
+from grader.host.frames import Script
+from grader.hosted.models import LOAD, PREDICT, Loaded, LoadModels, Predict, Predicted
 from grader.link import real_clock
 from grader.link.exchange import HostDied, HostForged, HostHung
 from grader.link.launcher import Launcher
@@ -165,7 +166,7 @@ def _run_script(
 
 def _conduct(link: Link, order: Script, limit: float) -> Outcome:
     try:
-        answer, _ = link.ask(order, limit)
+        answer, _ = link.run_script(order, limit)
     except HostHung as hung:
         return Outcome("hung", f"the script was not done after {limit:.0f} s", detail=hung.stacks)
     except HostDied:
@@ -175,8 +176,6 @@ def _conduct(link: Link, order: Script, limit: float) -> Outcome:
         return Outcome("flooded", f"the script took more of the machine than it may: {error}")
     except HostForged as error:
         return Outcome("forged", f"the script answered in the host's place: {error}")
-    if not isinstance(answer, Ended):
-        return Outcome("forged", "the script answered in the host's place")
     return Outcome(answer.kind, answer.text, detail=answer.detail)
 
 
@@ -209,9 +208,7 @@ def _question(
 
 
 def _interview(link: Link, seen: Floats, training: Training) -> Training:
-    loaded, _ = link.ask(LoadModels((PICKLE, AGAIN_PICKLE), ONNX), LOAD_LIMIT)
-    if not isinstance(loaded, Loaded):
-        raise HostForged("no list of models")
+    loaded, _ = link.carry_out(LOAD, LoadModels((PICKLE, AGAIN_PICKLE), ONNX), Loaded, LOAD_LIMIT)
     answers = {}
     for file in (PICKLE, AGAIN_PICKLE, ONNX):
         problem = loaded.problems.get(file, "it was not tried")
@@ -237,8 +234,8 @@ def _answers(link: Link, file: str, seen: Floats) -> ModelAnswers:
 
 
 def _ask(link: Link, file: str, seen: Floats) -> Predicted:
-    said, _ = link.ask(Predict(file, seen.tobytes()), PREDICT_LIMIT)
-    if not isinstance(said, Predicted) or len(said.values) % 8:
+    said, _ = link.carry_out(PREDICT, Predict(file, seen.tobytes()), Predicted, PREDICT_LIMIT)
+    if len(said.values) % 8:
         raise HostForged("no predictions")
     if not said.problem and 8 * math.prod(said.shape) != len(said.values):
         raise HostForged("predictions of another shape than they say")
@@ -250,7 +247,8 @@ def _time_singles(link: Link, seen: Floats) -> tuple[Floats, Floats]:
     costs = []
     slow = 0
     for row in seen[np.arange(SINGLES) % len(seen)]:
-        _, cost = link.ask(Predict(PICKLE, row.tobytes()), PREDICT_LIMIT)
+        order = Predict(PICKLE, row.tobytes())
+        _, cost = link.carry_out(PREDICT, order, Predicted, PREDICT_LIMIT)
         costs.append((cost.wall, cost.cpu))
         slow += min(cost.wall, cost.cpu) > SLOW
         if slow >= ENOUGH_SLOW:

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import pytest
 
+from grader.launchers import fork_server
 from grader.link.hosts import ForkServer
-from sim.messages import EPOCH_NS
 
 
 @pytest.fixture(scope="module")
 def forkserver() -> Iterator[ForkServer]:
-    with ForkServer(EPOCH_NS) as forkserver:
+    with fork_server() as forkserver:
         yield forkserver

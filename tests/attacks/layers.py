@@ -25,8 +25,8 @@ from arena import HOSTILE, Arena  # noqa: E402
 from grader.host.sandbox import users as privileges  # noqa: E402
 from grader.host.sandbox.kernel_filters import NEWEST  # noqa: E402
 from grader.host.sandbox.layers import FILES, LAYERS, LIMITS  # noqa: E402
-from grader.link.hosts import LAYER_TEXTS, ForkServer  # noqa: E402
-from sim.messages import EPOCH_NS  # noqa: E402
+from grader.launchers import fork_server  # noqa: E402
+from grader.link.hosts import LAYER_TEXTS  # noqa: E402
 
 DOCUMENT = ROOT / "docs" / "attacks.md"
 FAMILIES = ("read", "escape", "exhaust")  # the others don't depend on layers
@@ -119,7 +119,7 @@ def _fill(place: Path) -> bool:
 
 def _openings_of(row: str) -> Openings | None:
     landlock = OLD_LANDLOCK.get(row, NEWEST)
-    with ForkServer(EPOCH_NS, landlock=landlock) as forkserver:
+    with fork_server(landlock=landlock) as forkserver:
         here = forkserver.layers
     if (row in LAYERS and row not in here) or (row in OLD_LANDLOCK and FILES not in here):
         return None
@@ -131,7 +131,7 @@ def openings(layers: Sequence[str], landlock: int = NEWEST) -> Openings:
     """Return what is possible behind these layers, and which attacks show it."""
     found: Openings = {}
     with (
-        ForkServer(EPOCH_NS, layers=layers, landlock=landlock) as forkserver,
+        fork_server(layers=layers, landlock=landlock) as forkserver,
         Arena(forkserver.layers) as arena,
     ):
         for trick in HOSTILE:

@@ -14,17 +14,16 @@ from arena import FULL
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from grader.colcon.frames import Executable, PackageRead
 from grader.host.frames import (
     LENGTH,
+    Carried,
     Ended,
     EndpointReport,
     HeardNow,
-    Loaded,
-    Predicted,
     Published,
     Pulse,
     Settled,
-    Tensor,
     Tuned,
     decode_from_live,
     decode_from_radio,
@@ -32,6 +31,8 @@ from grader.host.frames import (
     decode_to_judge,
     encode,
 )
+from grader.hosted.models import Loaded, Predicted, Tensor
+from grader.hosted.questions import Question
 from grader.link.exchange import HostForged, decoded
 from grader.link.pipes import Channel
 
@@ -39,7 +40,11 @@ DECODERS: dict[str, tuple[Callable[[bytes], Any], tuple[type, ...]]] = {
     "nodes": (decode_to_judge, (Settled, Ended)),
     "live": (decode_from_live, (Pulse, Ended)),
     "radio": (decode_from_radio, (Tuned, HeardNow)),
-    "scripts": (decode_from_script, (Ended, Loaded, Predicted)),
+    **{
+        kind.__name__: (msgspec.msgpack.Decoder(kind).decode, (kind,))
+        for kind in (PackageRead, Loaded, Predicted, Question)
+    },
+    "scripts": (decode_from_script, (Ended, Carried)),
 }
 GOOD = (
     Settled(5, True, False, [Published(1, "/cmd_vel", "a/msg/B", b"x" * 60)]),
@@ -52,12 +57,19 @@ GOOD = (
     ),
     Tuned([EndpointReport("subscription", "/n", "/t", "a/msg/B")], {"subscription /t": 2}),
     HeardNow([Published(2**60, "/t", "a/msg/B", b"")]),
+    Carried(bytes(40)),
+)
+CARRIED = (  # what tasks and questions hold
+    PackageRead(executables=(Executable("one", "mine/one.py", "mine.one:main"),)),
     Loaded({"a.pkl": ""}, (Tensor("tensor(float)", ("", "5")),)),
     Predicted("", (1, 5), bytes(40)),
+    Question("predict", "a.pkl", 1, 1, bytes(40)),
 )
 BODIES = [encode(frame)[LENGTH.size :] for frame in GOOD]
-KEYS = sorted({key for body in BODIES for key in msgspec.msgpack.decode(body)})
-TAGS = ("settled", "ended", "pulse", "tuned", "heard", "loaded", "predicted", "start", "", 7)
+BODIES += [msgspec.msgpack.encode(each) for each in CARRIED]
+DECODED = map(msgspec.msgpack.decode, BODIES)
+KEYS = sorted({key for fields in DECODED if isinstance(fields, dict) for key in fields})
+TAGS = ("settled", "ended", "pulse", "tuned", "heard", "carried", "start", "", 7)
 
 fixed = settings(
     derandomize=True,

@@ -170,21 +170,21 @@ NOTES = """import json
             note.update(life=1, number=self.beats, message=f"{self.beats}")
             self.probe.publish(String(data=json.dumps(note)))
         self.detection_publisher.publish(String(data=f"{self.beats}"))"""
-OWN_ANSWERS = f"""from grader.host.frames import Told
-        from grader.host.supplied.kept import desk
-        desk.ask = lambda _: Told(0, labels=("box",))
+OWN_ANSWERS = f"""import msgspec
+        from grader.host.desk import desk
+        from grader.hosted.questions import Told
+        desk.ask = lambda _: msgspec.msgpack.encode(Told(labels=("box",)))
         {ASKS}"""
 AT_ITS_OWN_TIME = """self.scan = scan
         import gc
-        from grader.host.frames import Question
-        from grader.host.supplied.kept import desk
+        from grader.hosted.questions import Question, ask
         from rclpy.task import Future
         for each in gc.get_objects():
             if type(each).__name__ == "DetectionAsker":
                 each.client.call_async = lambda _: Future()
         said = json.dumps(self.detect()).encode()
         for turn in range(9):
-            desk.ask(Question(0, "answer", "/detect", turn, 1, said))
+            ask(Question("answer", "/detect", turn, 1, said))
 """
 
 

@@ -9,11 +9,11 @@ from node_runs import PREAMBLE, RunNode, short
 
 from grader.course.submission import Submission
 from grader.errors import InputError
+from grader.launchers import fork_server
 from grader.link.hosts import ForkServer
 from grader.link.ros_environment import portable_ros
 from grader.recording import Recording
 from grader.trial.virtual_time import Limits, run_trial
-from sim.messages import EPOCH_NS
 from sim.scenario import Scenario
 
 
@@ -33,7 +33,7 @@ def runtime(request: pytest.FixtureRequest, forkserver: ForkServer) -> Iterator[
         portable = portable_ros()
     except InputError as error:
         pytest.skip(str(error))
-    with ForkServer(EPOCH_NS, portable) as server:
+    with fork_server(portable) as server:
         yield server
 
 

@@ -38,11 +38,11 @@ from grader.authoring.mutants import FIELD
 from grader.course.exercises import Exercise, all_exercises
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
+from grader.launchers import fork_server
 from grader.link.hosts import ForkServer
 from grader.nbgrader.cells import definition
 from grader.nbgrader.points import points_of
 from grader.notebook.build import all_notebooks, asked_by
-from sim.messages import EPOCH_NS
 
 pytestmark = [
     pytest.mark.long,
@@ -84,7 +84,7 @@ def nodes(exercise: Exercise, student: str) -> Files:
 def expected() -> Iterator[tuple[str, str, float, Checks]]:
     """Yield what `course grade` gives: student, exercise, score and each check."""
     for exercise in all_exercises():
-        with ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver:
+        with fork_server(libraries=exercise.libraries) as forkserver:
             for student in STUDENTS:
                 yield student, exercise.slug, *graded(exercise, student, forkserver)
 

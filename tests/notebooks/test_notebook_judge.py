@@ -12,6 +12,7 @@ import pytest
 
 from grader.course.exercises import SOLUTIONS
 from grader.errors import GraderError
+from grader.launchers import launcher_pool
 from grader.link.pool import ForkServerPool
 from grader.notebook import answers, judge
 from grader.notebook.judge import carry_out
@@ -34,7 +35,7 @@ RIGHT = SOLUTIONS / "obstacle_avoidance" / AGENT
 @pytest.fixture(scope="module")
 def forkservers() -> Iterator[ForkServerPool]:
     """A pool of their own: after a fault the judge ends all of its fork servers."""
-    with ForkServerPool() as found:
+    with launcher_pool() as found:
         yield found
 
 

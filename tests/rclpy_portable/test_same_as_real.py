@@ -13,10 +13,9 @@ import pytest
 
 from grader.course.submission import Submission
 from grader.errors import InputError
-from grader.link.hosts import ForkServer
+from grader.launchers import fork_server
 from grader.link.ros_environment import RosEnvironment, find_ros, portable_ros
 from grader.trial.virtual_time import run_trial
-from sim.messages import EPOCH_NS
 from sim.scenario_files import load_scenario
 
 SCRIPTS = sorted((Path(__file__).parent / "scripts").glob("*.py"))
@@ -47,7 +46,7 @@ def said(script: Path, paths: list[Path], variables: dict[str, str], domain: int
 def said_in_a_host(script: Path, ros: RosEnvironment) -> list[str]:
     """Run a program in virtual time; return the lines that it prints."""
     scenario = msgspec.structs.replace(load_scenario("demo_wall"), duration=60.0)
-    with ForkServer(EPOCH_NS, ros) as server:
+    with fork_server(ros) as server:
         recording = run_trial(Submission(script), scenario, server)
     assert recording.outcome.kind == "returned", recording.outcome
     return [line.text for line in recording.log if line.level == "stdout"]

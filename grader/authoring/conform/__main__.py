@@ -21,8 +21,7 @@ import msgspec
 from grader.authoring.conform import suites
 from grader.authoring.conform.review import Difference, Review, differences, read_list, review
 from grader.errors import GraderError, InputError
-from grader.link.hosts import ForkServer
-from sim.messages import EPOCH_NS
+from grader.launchers import fork_server
 
 KEPT = Path("build/conform")  # what was found, in full
 
@@ -46,7 +45,7 @@ def run_suite(suite: str, checkout: Path | None, chosen: Sequence[str] = ()) -> 
     plain: dict[str, str] = {}
     inside: dict[str, str] = {}
     texts: dict[str, str] = {}
-    with ForkServer(EPOCH_NS, layers=suites.LAYERS[suite]) as forkserver:
+    with fork_server(layers=suites.LAYERS[suite]) as forkserver:
         suites.check_unprivileged(forkserver)
         for module in modules:
             if chosen and not any(word in module for word in chosen):

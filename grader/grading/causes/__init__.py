@@ -3,7 +3,7 @@
 Each says what was seen and when, with any seed; what may lie behind it is a question. The first
 that fits is given, and none where there is no evidence:
 
-1. `own_words`: a line that can't mean what it says (`grader.host.slips`); its host logs it.
+1. `own_words`: a line that can't mean what it says (`grader.advice.slips`); its host logs it.
 2. `ends`: the node died, hung, never spun, or is not wired. That explains itself.
 3. `rhythm`: a callback waits for good, or takes as long as the commands are late.
 4. `commands`: there are none, or they are garbage, backwards, in a wrong field, too seldom.

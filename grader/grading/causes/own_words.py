@@ -8,10 +8,10 @@ from collections.abc import Sequence
 
 import msgspec
 
+from grader.advice.plain_words import words_for
+from grader.advice.slips import said_in
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed, sentences
-from grader.host.plain_words import words_for
-from grader.host.slips import said_in
 from grader.link.log import LogLine
 
 OFTEN = 3  # times in a trial: once may be a model of ours that raises

@@ -16,9 +16,9 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.task import Task
 
 from .. import program, randomness
+from ..desk import desk
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
 from ..frames import EndpointReport, Pulse, Start, TuneIn
-from ..supplied.kept import desk
 from ..wire import Wire, ended
 from .questions import Desk
 from .robot import Radio

@@ -5,8 +5,6 @@ from __future__ import annotations
 import itertools
 import threading
 
-import msgspec
-
 from ..frames import Answers, Asking, Question, Told
 from ..wire import Wire
 
@@ -27,17 +25,17 @@ class Desk:
         self._told: dict[int, Told] = {}
         self._reader: threading.Thread | None = None
 
-    def ask(self, question: Question) -> Told:
-        """Ask, and wait as long as the model takes."""
+    def ask(self, data: bytes) -> bytes:
+        """Ask, and wait as long as the answer takes."""
         number, over = next(self._numbers), threading.Event()
         self._waiting[number] = over
         with self._lock:
             if self._reader is None:
                 self._reader = threading.Thread(target=self._read, daemon=True)
                 self._reader.start()
-            self._wire.send(Asking([msgspec.structs.replace(question, number=number)]))
+            self._wire.send(Asking([Question(number, data)]))
         over.wait()
-        return self._told.pop(number)
+        return self._told.pop(number).data
 
     def _read(self) -> None:
         while True:

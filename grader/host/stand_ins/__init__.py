@@ -1,7 +1,7 @@
 """Packages of ROS that have no wheel, for nodes that need them: tf2_msgs and tf2_ros.
 
 They are found last, so those of a ROS installation come before them. What they leave out is said
-in their own docstrings; whatever else a node imports gets a hint (`grader/host/hints.py`).
+in their own docstrings; whatever else a node imports gets a hint (`grader/advice/hints.py`).
 """
 
 from __future__ import annotations

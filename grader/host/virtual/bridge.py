@@ -21,10 +21,10 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.qos import DurabilityPolicy
 
+from .. import advice
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
 from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Note, Offer, Published
 from ..robot_ends import Heard, RobotEnds
-from ..slips import unused_imports
 from . import discovery as found
 from . import graph, parameter_files, tasks
 from .kernel import Kernel
@@ -230,5 +230,5 @@ def _unread(party: found.Party) -> Iterator[Note]:
     own = start.arguments if start else getattr(party.context, "_course_arguments", ())
     yield from parameter_files.unread(own, [n.get_fully_qualified_name() for n in party.nodes])
     file = Path(start.file if start else getattr(sys.modules["__main__"], "__file__", ""))
-    if unused := unused_imports(file.read_bytes()):
+    if unused := advice.given.unused_imports(file.read_bytes()):
         yield Note("imports", ", ".join(unused), file.name)

@@ -15,6 +15,7 @@ from typing import Any
 
 import msgspec
 
+from ..desk import desk
 from ..frames import (
     MAX_LEAD,
     MAX_NAME,
@@ -23,14 +24,13 @@ from ..frames import (
     MAX_QUESTIONS,
     Note,
     Question,
-    ReadPackage,
     Run,
     Settled,
     Slept,
     Start,
+    Task,
     Told,
 )
-from ..supplied.kept import desk
 from ..wire import Turns, Wire, ended, sendable
 from . import kernel as kernel_module
 from .charge import Meter
@@ -70,12 +70,12 @@ class Session(kernel_module.World):
         desk.ask = self.ask
 
     def start(self) -> Start:
-        """Return the judge's first frame; a package may be read instead of a run."""
+        """Return what to run: the judge's first frame, unless that is a task."""
         frame = self._wire.receive()
-        if isinstance(frame, ReadPackage):
-            from .. import packages  # noqa: PLC0415  (few hosts need it)
+        if isinstance(frame, Task):
+            from .. import scripts  # noqa: PLC0415  (few hosts need it)
 
-            self._wire.send(packages.read(frame.launch, frame.folders))
+            self._wire.send(scripts.carried_out(frame))
             frame = self._wire.receive()
         if not isinstance(frame, Start):
             raise ValueError("the first frame must say what to run")
@@ -127,14 +127,14 @@ class Session(kernel_module.World):
         if self.programs is not None:
             self.programs.switch(before, after)
 
-    def ask(self, question: Question) -> Told:
-        """Ask the judge's model, and wait as long as it takes."""
+    def ask(self, data: bytes) -> bytes:
+        """Ask the judge, and wait as long as the answer takes."""
         if len(self._asking) >= MAX_QUESTIONS:
             raise RuntimeError(f"{MAX_QUESTIONS} threads ask the model at the same time")
         number = next(self._numbers)
         if not self._questions:  # the judge is told before time goes on
             self._agreed, self.until = self.until, self.kernel.now
-        self._questions.append(msgspec.structs.replace(question, number=number))
+        self._questions.append(Question(number, data))
         waiters: kernel_module.Waiters = collections.deque()
         self._asking[number] = waiters
         thread = self.kernel.me()
@@ -146,7 +146,7 @@ class Session(kernel_module.World):
         told = self._told.pop(number)
         if told.wait:
             self.kernel.sleep(told.wait / 1e9)
-        return told
+        return told.data
 
     def exchange(self) -> None:
         """Report to the judge; wait for its messages and its next moment."""

@@ -13,8 +13,7 @@ import time
 from kit import TARGETS, attempt, gained, libc, syscall, trick
 from std_msgs.msg import Bool, String
 
-from grader.host.frames import MAX_ROWS, Question
-from grader.host.supplied.kept import desk
+from grader.hosted.questions import MAX_ROWS, Question, ask
 
 HELD = []  # what would be given back if nobody held it
 
@@ -71,7 +70,7 @@ def questions_at_start():
     """Ask the judge's models again and again in the start-up, and wait before each question."""
     for _ in range(1_000):
         with attempt():
-            desk.ask(Question(0, "load", "model.pkl"))
+            ask(Question("load", "model.pkl"))
         libc.usleep(900_000)
 
 
@@ -79,7 +78,7 @@ def questions_at_start():
 def rows_for_models(node, scan):
     """Ask a model for everything that it could say: checks have to look at each answer."""
     for _ in range(60):
-        desk.ask(Question(0, "predict", "model.pkl", 1, MAX_ROWS, bytes(40 * MAX_ROWS)))
+        ask(Question("predict", "model.pkl", 1, MAX_ROWS, bytes(40 * MAX_ROWS)))
 
 
 @trick()

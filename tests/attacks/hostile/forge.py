@@ -18,7 +18,7 @@ from kit import TARGETS, attempt, libc, spoil, trick
 from seeing import right_speed
 
 from grader.host import frames
-from grader.host.supplied.kept import desk
+from grader.hosted.questions import Question, ask
 
 RUNNING = []  # nodes for whom a native thread publishes
 
@@ -295,7 +295,7 @@ def stalled_machine(node, scan):
 @trick(score=95, full=True)
 def answers_in_pieces(node, scan):
     """The right speeds after 150 ms, in pieces, between which the judge is asked something."""
-    late(node, scan, [0.05] * 3, lambda: desk.ask(frames.Question(0, "load", "no.pkl")))
+    late(node, scan, [0.05] * 3, lambda: ask(Question("load", "no.pkl")))
 
 
 # --- results ------------------------------------------------------------------------------------

@@ -13,8 +13,7 @@ from grader.authoring.proof import objections
 from grader.course.exercises import all_exercises
 from grader.course.students import student_key
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
-from sim.messages import EPOCH_NS
+from grader.launchers import fork_server
 
 SECRET = b"not a secret: for measuring only"
 QUICK = ("trend_memory",)  # in `make test`
@@ -29,7 +28,7 @@ def assert_full_marks(claim: Claim, students: Iterable[int], *, field: int = 0) 
     exercise = claim.exercise
     against = []
     with (
-        ForkServer(EPOCH_NS, libraries=exercise.libraries) as forkserver,
+        fork_server(libraries=exercise.libraries) as forkserver,
         complete(claim) as submission,
     ):
         for student in students:

@@ -15,16 +15,12 @@ from grader.host.frames import (
     Delivery,
     Ended,
     EndpointReport,
-    FromScript,
-    Launched,
     Offer,
-    PackageRead,
     ProgramStart,
     Published,
     Run,
     Settled,
     Start,
-    decode_from_script,
     decode_to_host,
     decode_to_judge,
     encode,
@@ -98,17 +94,6 @@ def test_the_pattern_of_the_wrong_frames_is_right() -> None:
 def test_each_field_is_checked(what: str) -> None:
     with pytest.raises(REFUSALS):
         decode_to_judge(msgspec.msgpack.encode(WRONG[what]))
-
-
-@pytest.mark.parametrize("name", ["../launch_params_1.yaml", "/launch_params_1.yaml", "node.py"])
-def test_what_a_launch_file_writes_has_a_name_of_the_hosts(name: str) -> None:
-    def read(file: str) -> FromScript:
-        started = Launched("talker", (), made={file: "text"})
-        return decode_from_script(body(encode(PackageRead(launched=(started,)))))
-
-    assert read("launch_params_1.yaml")
-    with pytest.raises(REFUSALS):
-        read(name)
 
 
 def test_a_frame_that_the_link_can_not_carry_is_not_made() -> None:

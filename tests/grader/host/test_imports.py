@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from grader.host.frames import Ended, ProgramStart, Start
+from grader.launchers import ADVICE
 from grader.link.hosts import ForkServer
 from grader.link.pool import ForkServerPool
 from grader.link.practice import PracticeServer
@@ -73,7 +74,7 @@ def learned(
         yield forkservers.of(LEARNING)
         return
     libraries = LEARNING if request.param == "portable" else ()
-    with PracticeServer(EPOCH_NS, libraries=libraries) as server:
+    with PracticeServer(EPOCH_NS, libraries=libraries, advice=ADVICE) as server:
         yield server
 
 

@@ -8,10 +8,10 @@ import pytest
 from node_runs import PREAMBLE, short
 
 from grader.course.submission import Package, Program, Submission
+from grader.launchers import fork_server
 from grader.link.hosts import ForkServer
 from grader.recording import Recording, ended_of
 from grader.trial.virtual_time import run_trial
-from sim.messages import EPOCH_NS
 from sim.scenario import ProgramSpec
 
 READS = "hypothesis.internal.observability"  # reads a clock when it is imported
@@ -90,7 +90,7 @@ def test_what_imports_read_of_clocks_is_not_the_programs(
         short(0.5), program=(ProgramSpec("server.py"), ProgramSpec("client.py"))
     )
     submission = Submission(tmp_path / "server.py", others=(tmp_path / "client.py",))
-    with ForkServer(EPOCH_NS, libraries=(READS,)) as other:
+    with fork_server(libraries=(READS,)) as other:
         runs = [run_trial(submission, scenario, each) for each in (forkserver, other)]
     first, second = ([line.text for line in each.log] for each in runs)
     assert len(first) == 2

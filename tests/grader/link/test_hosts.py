@@ -19,11 +19,11 @@ from grader.course.submission import Submission
 from grader.errors import GraderError
 from grader.host.sandbox.layers import CALLS, LAYERS
 from grader.host.sandbox.users import USERS
+from grader.launchers import fork_server
 from grader.link import hosts
 from grader.link.hosts import ForkServer
 from grader.link.ros_environment import RosEnvironment
 from grader.trial.virtual_time import run_trial
-from sim.messages import EPOCH_NS
 
 ECHO = "rclpy.init(); rclpy.spin(Echo())"
 root_only = pytest.mark.skipif(os.getuid() != 0, reason="only root can become another user")
@@ -31,7 +31,7 @@ root_only = pytest.mark.skipif(os.getuid() != 0, reason="only root can become an
 
 @pytest.fixture
 def own_forkserver() -> Iterator[ForkServer]:
-    with ForkServer(EPOCH_NS) as forkserver:
+    with fork_server() as forkserver:
         yield forkserver
 
 
@@ -86,7 +86,7 @@ def test_fifty_trials_leave_no_process_and_no_descriptor(
 def test_a_forkserver_ends_with_its_block(echo: Submission) -> None:
     before = descriptors()
     for used in (True, False):
-        with ForkServer(EPOCH_NS) as forkserver:
+        with fork_server() as forkserver:
             if used:
                 run_trial(echo, short(0.05), forkserver)
             pid = forkserver._process.pid
@@ -110,7 +110,7 @@ def test_what_a_node_starts_ends_with_it(echo: Submission) -> None:
     """
     echo.path.write_text(PREAMBLE + textwrap.dedent(source))
     layers = [layer for layer in LAYERS if layer != CALLS]
-    with ForkServer(EPOCH_NS, layers=layers) as forkserver:
+    with fork_server(layers=layers) as forkserver:
         recording = run_trial(echo, short(0.5), forkserver)
 
     (line,) = recording.log
@@ -158,7 +158,7 @@ def test_a_dead_forkserver_is_the_graders_fault(
     assert "no host for the node" in faulty(own_forkserver, echo)
     assert "no host for the node" in faulty(own_forkserver, echo)
     assert descriptors() == before
-    with ForkServer(EPOCH_NS) as young:
+    with fork_server() as young:
         young._process.kill()
         assert "no host for students' nodes" in faulty(young, echo)
 
@@ -170,7 +170,7 @@ def test_ros_that_can_not_be_imported_is_the_graders_fault(
     (tmp_path / "rclpy" / "__init__.py").write_text("raise ImportError('as I said')")
     broken = RosEnvironment("wheels", (tmp_path,), (), ())
     os.chmod(tmp_path, 0o755)
-    with ForkServer(EPOCH_NS, broken) as forkserver:
+    with fork_server(broken) as forkserver:
         assert faulty(forkserver, echo).startswith("no host for students' nodes: ")
 
 
@@ -179,7 +179,7 @@ def test_a_start_may_take_long_as_long_as_it_gets_on(
     monkeypatch: pytest.MonkeyPatch, used: list[float], heard: bool
 ) -> None:
     monkeypatch.setattr(hosts, "FORK_SERVER_START", 1e-9)  # [s]
-    with ForkServer(EPOCH_NS) as forkserver:
+    with fork_server() as forkserver:
         control = forkserver._control
 
         def cpu_time(pid: int) -> float:
@@ -257,7 +257,7 @@ from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
-with tempfile.TemporaryDirectory() as folder, ForkServer(EPOCH_NS) as forkserver:
+with tempfile.TemporaryDirectory() as folder, fork_server() as forkserver:
     file = Path(folder) / 'echo.py'
     file.write_text(PREAMBLE + '''
 before = os.listdir('/dev/shm')

@@ -10,10 +10,9 @@ from node_runs import short
 
 from grader.course.exercises import ROOT
 from grader.course.submission import Submission
-from grader.link.hosts import ForkServer
+from grader.launchers import fork_server
 from grader.link.interpreter import left_out, library_folders, with_needs
 from grader.trial.virtual_time import run_trial
-from sim.messages import EPOCH_NS
 
 
 def mapped() -> Path:
@@ -73,7 +72,7 @@ def test_a_host_has_them(needed: Path, tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setenv("LD_LIBRARY_PATH", str(needed))
     file = tmp_path / "node.py"
     file.write_text("import os; print(os.environ['LD_LIBRARY_PATH'])")
-    with ForkServer(EPOCH_NS) as forkserver:
+    with fork_server() as forkserver:
         recording = run_trial(Submission(file), short(0.1), forkserver)
 
     assert str(needed) in recording.log[0].text.split(os.pathsep)

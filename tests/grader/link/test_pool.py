@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.link.pool import ForkServerPool
+from grader.launchers import launcher_pool
 
 
 def children() -> set[str]:
@@ -15,7 +15,7 @@ def children() -> set[str]:
 
 def test_the_same_libraries_are_imported_once() -> None:
     before = children()
-    with ForkServerPool() as warm:
+    with launcher_pool() as warm:
         plain, other = warm.of(), warm.of(("json",))
 
         assert warm.of() is plain
@@ -29,7 +29,7 @@ def test_the_same_libraries_are_imported_once() -> None:
 
 def test_the_one_that_has_waited_longest_goes_first() -> None:
     before = children()
-    with ForkServerPool(most=2) as warm:
+    with launcher_pool(most=2) as warm:
         plain, _ = warm.of(), warm.of(("json",))
         warm.of()
         warm.of(("csv",))  # in place of json's
@@ -40,6 +40,6 @@ def test_the_one_that_has_waited_longest_goes_first() -> None:
 
 @pytest.mark.parametrize("times", [1, 2])
 def test_closing_needs_nothing_to_be_open(times: int) -> None:
-    warm = ForkServerPool()
+    warm = launcher_pool()
     for _ in range(times):
         warm.close()

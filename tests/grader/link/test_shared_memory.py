@@ -69,6 +69,7 @@ if os.stat('/dev/shm').st_dev == {device}:
     sys.exit()
 from node_runs import PREAMBLE, short
 from grader.course.submission import Submission
+from grader.launchers import fork_server
 from grader.link.hosts import ForkServer
 from grader.trial.virtual_time import run_trial
 from sim.messages import EPOCH_NS
@@ -80,7 +81,7 @@ os.kill(os.getpid(), 9)
 '''
 ECHO = 'rclpy.init(); rclpy.spin(Echo())'
 said = []
-with tempfile.TemporaryDirectory() as folder, ForkServer(EPOCH_NS) as forkserver:
+with tempfile.TemporaryDirectory() as folder, fork_server() as forkserver:
     file = Path(folder) / 'echo.py'
     for source in (LEAVE, ECHO):
         file.write_text(PREAMBLE + source)

@@ -60,7 +60,7 @@ import json, sys, tempfile
 from pathlib import Path
 from sim.messages import EPOCH_NS
 from test_workplace import GREEDY, ForkServer, run
-with tempfile.TemporaryDirectory() as folder, ForkServer(EPOCH_NS) as forkserver:
+with tempfile.TemporaryDirectory() as folder, fork_server() as forkserver:
     runs = {name: run(name, Path(folder), forkserver) for name in GREEDY}
     said = {name: (r.outcome.kind, r.outcome.text, [x.text for x in r.log]) for name, r in runs.items()}
     print(json.dumps((forkserver.layers, forkserver.means.counted, said)))
@@ -219,7 +219,7 @@ from sim.messages import EPOCH_NS
 from sim.scenario_files import load_scenario
 
 with (
-    ForkServer(EPOCH_NS) as forkserver,
+    fork_server() as forkserver,
     stage(Submission(Path({file!r})), load_scenario("demo_wall")) as staged,
     forkserver.host_process(staged.folder) as host,
 ):

@@ -1,24 +1,33 @@
 """The grader's ends of exercise 6's service: what the judge answers, and when it lets ask."""
 
+import msgspec
 import pytest
 
-from grader.host.frames import MAX_QUESTIONS, Question
+from grader.host import frames
+from grader.host.frames import MAX_QUESTIONS
+from grader.hosted.questions import Question, Told
 from grader.models.partners import NEVER, SERVICE
 from grader.models.service import ModelService, TooManyQuestions
 from sim.scenario import Scenario
 from sim.scenario_files import load_scenario
 
 MS = 1_000_000
-REQUEST, TURN = Question(0, "request", SERVICE), Question(0, "turn", SERVICE)
 RESTART, LATE = load_scenario("detect_restart"), load_scenario("detect_late_scans")
+
+
+def sent(question: Question) -> frames.Question:
+    return frames.Question(0, msgspec.msgpack.encode(question))
+
+
+REQUEST, TURN = sent(Question("request", SERVICE)), sent(Question("turn", SERVICE))
 
 
 def service(scenario: Scenario = LATE, began: int | None = 0) -> ModelService:
     return ModelService(scenario, scenario.seed, began=began)
 
 
-def answer(turn: int, message: str = "box") -> Question:
-    return Question(0, "answer", SERVICE, turn, 1, message.encode())
+def answer(turn: int, message: str = "box") -> frames.Question:
+    return sent(Question("answer", SERVICE, turn, 1, message.encode()))
 
 
 def test_an_answer_counts_once_and_for_a_time_that_has_come() -> None:
@@ -40,7 +49,9 @@ def test_no_server_answers_before_it_starts_and_after_it_was_killed() -> None:
     for at in (1_200, 1_300, 2_500, 2_700):
         models.ask(REQUEST, at * MS)
     early, killed = models.due(1_200 * MS), models.due(2**60)
-    assert [told.problem for _, told in early] == ["there is no scan yet"]
+    assert [msgspec.msgpack.decode(told.data, type=Told).problem for _, told in early] == [
+        "there is no scan yet"
+    ]
     assert len(killed) == 2  # that of 1.3 s, and the refusal of 2.7 s
     first, second = models.inferences
     assert (first.answered, second.answered >= NEVER) == (1_500 * MS, True)

@@ -2,15 +2,19 @@
 
 import copy
 import pickle
+from collections.abc import Callable
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 from msgspec.structs import replace
 
 from grader.errors import GraderError
-from grader.host.frames import MAX_ROWS, Question, Told
-from grader.host.supplied import kept
+from grader.host import frames
+from grader.host.desk import desk
+from grader.hosted.questions import MAX_ROWS, Question, Told
+from grader.hosted.supplied import kept
 from grader.models.files import is_kept, probe, write_models
 from grader.models.service import IN_START_UP, MOST, MOST_ROWS, ModelService, TooManyQuestions
 from sim.messages import Message, laser_scan
@@ -23,10 +27,25 @@ FILE = "velocity_model.pkl"
 ROW = np.array([[2.0, 3.0, 0.5, 4.0, 5.0]])
 
 
-def question(method: str, number: int = 0, load: int = 1, rows: np.ndarray = ROW) -> Question:
+def sent(asked: Question, number: int = 0) -> frames.Question:
+    return frames.Question(number, msgspec.msgpack.encode(asked))
+
+
+def heard(told: frames.Told) -> Told:
+    return msgspec.msgpack.decode(told.data, type=Told)
+
+
+def at_once(models: ModelService) -> Callable[[bytes], bytes]:
+    """Return how a program asks models in its start-up."""
+    return lambda data: models.at_once(frames.Question(0, data)).data
+
+
+def question(
+    method: str, number: int = 0, load: int = 1, rows: np.ndarray = ROW
+) -> frames.Question:
     if method == "load":
-        return Question(number, method, FILE)
-    return Question(number, method, FILE, load, len(rows), rows.tobytes())
+        return sent(Question(method, FILE), number)
+    return sent(Question(method, FILE, load, len(rows), rows.tobytes()), number)
 
 
 def service(scenario: Scenario = LEADER, seed: int | None = None) -> ModelService:
@@ -45,7 +64,8 @@ def scan(distance: float) -> Message:
     )
 
 
-def said(told: Told) -> np.ndarray:
+def said(answer: frames.Told) -> np.ndarray:
+    told = heard(answer)
     return np.frombuffer(told.numbers).reshape(told.shape)
 
 
@@ -54,7 +74,7 @@ def test_an_answer_is_due_when_the_models_time_is_over() -> None:
     models.ask(question("load"), 0)
     models.ask(question("predict", 7), 13 * MS)
 
-    assert [told.load for _, told in models.due(0)] == [1]
+    assert [heard(told).load for _, told in models.due(0)] == [1]
     assert models.next_due == 213 * MS
     assert models.due(213 * MS - 1) == []
     ((_, told),) = models.due(213 * MS)
@@ -80,16 +100,16 @@ def test_before_the_scenario_answers_say_what_the_model_takes() -> None:
     [
         (question("predict", load=0), "was not loaded"),
         (question("predict", load=2), "was not loaded"),
-        (Question(0, "predict", "other.pkl", 1, 1, ROW.tobytes()), "no model other.pkl"),
-        (Question(0, "predict", FILE, 1, 2, ROW.tobytes()), "shape"),
-        (Question(0, "predict", FILE, 1, 1, b"odd"), "shape"),
-        (Question(0, "predict_proba", FILE, 1, 1, ROW.tobytes()), "predict_proba"),
+        (sent(Question("predict", "other.pkl", 1, 1, ROW.tobytes())), "no model other.pkl"),
+        (sent(Question("predict", FILE, 1, 2, ROW.tobytes())), "shape"),
+        (sent(Question("predict", FILE, 1, 1, b"odd")), "shape"),
+        (sent(Question("predict_proba", FILE, 1, 1, ROW.tobytes())), "predict_proba"),
     ],
 )
-def test_what_no_model_can_answer_is_a_problem(asked: Question, problem: str) -> None:
+def test_what_no_model_can_answer_is_a_problem(asked: frames.Question, problem: str) -> None:
     models = service()
     models.at_once(question("load"))
-    assert problem in models.at_once(asked).problem
+    assert problem in heard(models.at_once(asked)).problem
 
 
 def test_loads_are_counted_by_the_judge() -> None:
@@ -97,7 +117,7 @@ def test_loads_are_counted_by_the_judge() -> None:
     models.ask(question("load"), 0)
     assert models.next_due == 80 * MS
     models.ask(question("load"), 90 * MS)
-    answers = [told.load for _, told in models.due(10**12)]
+    answers = [heard(told).load for _, told in models.due(10**12)]
     told = models.at_once(question("predict"))
 
     assert answers == [1, 2]
@@ -108,11 +128,12 @@ def test_a_model_that_raises_takes_its_time_too() -> None:
     models = service(load_scenario("latency_raises"))
     models.at_once(question("load"))
     near = np.array([[1.0, 1.0, 0.0, 1.0, 1.0]])
-    told = models.at_once(question("predict", rows=near))
+    answer = models.at_once(question("predict", rows=near))
+    told = heard(answer)
 
     assert "can't say anything" in told.problem
     assert told.error == "TypeError"
-    assert told.wait == 30 * MS
+    assert answer.wait == 30 * MS
     assert models.inferences[-1].failed
 
     far = np.array([[7.0, 7.0, 0.0, 7.0, 7.0]])  # what is said takes a time of its own
@@ -122,7 +143,7 @@ def test_a_model_that_raises_takes_its_time_too() -> None:
 def test_a_model_raises_what_its_settings_name(monkeypatch: pytest.MonkeyPatch) -> None:
     settings = {"distance": 3.0, "raises": "RuntimeError TypeError"}
     node = replace(LEADER.node, models={FILE: Model("raises_near", settings)})
-    monkeypatch.setattr(kept.desk, "ask", service(replace(LEADER, node=node)).at_once)
+    monkeypatch.setattr(desk, "ask", at_once(service(replace(LEADER, node=node))))
     model = kept.load(kept.Kept, FILE)
     for distance, kind in ((0.2, RuntimeError), (1.0, TypeError), (2.6, TypeError)):
         with pytest.raises(kind, match="can't say anything"):
@@ -147,11 +168,11 @@ def test_a_quick_row_does_not_hide_a_slow_one() -> None:
     models = service(load_scenario("latency_times"))
     (file,) = models.scenario.node.models
     model = models.scenario.node.models[file].settings["seconds"]
-    models.at_once(Question(0, "load", file))
+    models.at_once(sent(Question("load", file)))
 
     def took(*metres: float) -> int:
         rows = np.repeat(np.array(metres, dtype=float)[:, None], 5, axis=1)
-        return models.at_once(Question(0, "predict", file, 1, len(rows), rows.tobytes())).wait
+        return models.at_once(sent(Question("predict", file, 1, len(rows), rows.tobytes()))).wait
 
     times = [took(metres) for metres in range(1, len(model))]
     assert len(set(times)) > 1
@@ -163,11 +184,11 @@ def test_nobody_asks_without_end() -> None:
     with pytest.raises(TooManyQuestions):
         models = service()
         for _ in range(MOST + 1):
-            models.at_once(Question(0, "load", "none.pkl"))
+            models.at_once(sent(Question("load", "none.pkl")))
     models = service()
     with pytest.raises(TooManyQuestions, match="rows"):
         for _ in range(MOST_ROWS // MAX_ROWS + 1):
-            models.at_once(Question(0, "predict", "none.pkl", 1, MAX_ROWS))
+            models.at_once(sent(Question("predict", "none.pkl", 1, MAX_ROWS)))
     assert sum(len(inference.said) for inference in models.inferences) <= MOST_ROWS
 
 
@@ -181,7 +202,7 @@ def test_a_kept_model_is_loaded_and_asked_like_any_other(
     write_models(LEADER.node.models, tmp_path)
     content = (tmp_path / FILE).read_bytes()
     assert b"0.04" not in content
-    monkeypatch.setattr(kept.desk, "ask", models.at_once)
+    monkeypatch.setattr(desk, "ask", at_once(models))
     model = pickle.loads(content)
 
     assert model.predict([[2.0, 3.0, 0.5, 4.0, 5.0]]) == pytest.approx([0.08])
@@ -193,7 +214,7 @@ def test_a_kept_model_is_loaded_and_asked_like_any_other(
         assert other.predict(ROW) == pytest.approx([0.08])
     assert sum(i.is_load for i in models.inferences) == 1
     three = service(load_scenario("ml_clip"))  # a model that wants three features
-    monkeypatch.setattr(kept.desk, "ask", three.at_once)
+    monkeypatch.setattr(desk, "ask", at_once(three))
     assert kept.load(kept.Kept, FILE).predict(ROW[:, :3]) == pytest.approx([9.9])
 
 
@@ -211,7 +232,7 @@ def test_a_classifier_says_what_it_would_say_in_the_node(
 ) -> None:
     models = service(load_scenario(scenario))
     file, spec = next(iter(models.scenario.node.models.items()))
-    monkeypatch.setattr(kept.desk, "ask", models.at_once)
+    monkeypatch.setattr(desk, "ask", at_once(models))
     model, there = kept.load(kept.KeptClassifier, file), probe(spec)
     for method in ("predict", "predict_proba"):
         here, right = getattr(model, method)(ROW), getattr(there, method)(ROW)
@@ -253,7 +274,7 @@ def test_features_that_are_no_scans_are_those_of_the_newest_if_any_will_do() -> 
 
     def asked(*row: float, rows: int = 1) -> tuple[float, ...]:
         given = np.array(row)
-        about = Question(0, "predict", FILE, 1, rows, given.tobytes())
+        about = sent(Question("predict", FILE, 1, rows, given.tobytes()))
         strict.at_once(about)
         any_will_do.at_once(about)
         return any_will_do.inferences[-1].said

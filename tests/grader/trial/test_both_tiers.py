@@ -8,8 +8,7 @@ from grader.authoring.mutants import find_mutant
 from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
-from sim.messages import EPOCH_NS
+from grader.launchers import fork_server
 
 pytestmark = pytest.mark.long
 
@@ -26,7 +25,7 @@ def test_both_tiers_judge_alike(text: str, tmp_path: Path) -> None:
     (tmp_path / FILE).write_text(text, "utf-8")
     submission = find_submission(tmp_path / FILE, FILE, ())
     failed = {}
-    with ForkServer(EPOCH_NS) as forkserver:
+    with fork_server() as forkserver:
         for tier in (1, 2):
             grading = grade_submission(
                 EXERCISE, submission, forkserver, file=FILE, tier=tier,

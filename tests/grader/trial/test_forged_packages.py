@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import msgspec
 import pytest
 from laid_packages import MINE, lay
 
+from grader.colcon.frames import Executable, Launched, PackageRead
 from grader.course.submission import Package, find_submission
-from grader.host.frames import Executable, Launched, PackageRead
 from grader.trial.packages import _with_programs
 
 
@@ -70,3 +71,15 @@ def test_a_forged_note_draws_nothing_on_a_terminal(tmp_path: Path) -> None:
     )
     made = _with_programs(submission, Package(main="one.py"), "", read)
     assert (made.problem, made.left) == ("", ("rviz2 is not started here",))
+
+
+@pytest.mark.parametrize("name", ["../launch_params_1.yaml", "/launch_params_1.yaml", "node.py"])
+def test_what_a_launch_file_writes_has_a_name_of_the_hosts(name: str) -> None:
+    def read(file: str) -> PackageRead:
+        started = Launched("talker", (), made={file: "text"})
+        answer = msgspec.msgpack.encode(PackageRead(launched=(started,)))
+        return msgspec.msgpack.decode(answer, type=PackageRead)
+
+    assert read("launch_params_1.yaml")
+    with pytest.raises(msgspec.ValidationError):
+        read(name)

@@ -50,10 +50,9 @@ def test_a_start_up_has_one_limit_however_often_it_asks(run_node: RunNode) -> No
     recording = run_node(
         """
         import ctypes
-        from grader.host.frames import Question
-        from grader.host.supplied.kept import desk
+        from grader.hosted.questions import Question, ask
         while True:
-            desk.ask(Question(0, 'load', 'model.pkl'))
+            ask(Question('load', 'model.pkl'))
             ctypes.CDLL(None).usleep(100_000)
         """,
         limits=Limits(start=1.0),

@@ -17,9 +17,14 @@ from collections.abc import Callable, Iterator
 from pathlib import PurePath
 from typing import Any
 
-from . import imports
-from .plain_words import INSTEAD
-from .sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES, MAX_MEMORY, MAX_PROCESSES
+from grader.advice.plain_words import INSTEAD
+from grader.host import imports
+from grader.host.sandbox.amounts import (
+    MAX_FOLDER,
+    MAX_FOLDER_FILES,
+    MAX_MEMORY,
+    MAX_PROCESSES,
+)
 
 DISTRO = "jazzy"
 

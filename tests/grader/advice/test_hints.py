@@ -7,9 +7,8 @@ import urllib.error
 import pytest
 from node_runs import RunNode
 
-from grader.cli import cli
-from grader.host import hints
-from grader.host.hints import (
+from grader.advice import hints
+from grader.advice.hints import (
     CONTEXT,
     FILES,
     KEYBOARD,
@@ -19,6 +18,7 @@ from grader.host.hints import (
     hint,
     missing_package,
 )
+from grader.cli import cli
 
 REFUSED = {
     "subprocess": ("import subprocess; subprocess.run(['echo', 'hi'])", PROCESSES),

@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from grader.host.deaths import (
+from grader.advice.deaths import (
     MAX_VALUE,
     _advice_on_service,
     account,
     first_of,
-    readable,
     value_words,
 )
+from grader.host.wire import steady
 from grader.recording import death_of
 
 PROGRAM = """
@@ -121,7 +121,7 @@ def test_what_is_wrong_with_a_service_follows_from_pythons_words(said: str, word
 
 def test_what_differs_from_run_to_run_is_left_out() -> None:
     said = "<built-in method publish of pybind11_x.y_z object at 0x7fe62f8d8150> returned"
-    assert readable(said) == "publish() returned"
+    assert steady(said) == "publish() returned"
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from grader.host.deaths import account_of_syntax
-from grader.host.rules import RULES, wait_for_good
+from grader.advice.deaths import account_of_syntax
+from grader.advice.rules import RULES, wait_for_good
 
 PRELUDE = """
 import json, math, pickle, sys
@@ -27,9 +27,9 @@ from rclpy.qos import DurabilityPolicy, QoSPresetProfiles, QoSProfile
 from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Trigger
-from grader.host.message_words import field_of
-from grader.host.plain_words import plain_words
-from grader.host.rules import RULES
+from grader.advice.message_words import field_of
+from grader.advice.plain_words import plain_words
+from grader.advice.rules import RULES
 rclpy.init()
 class Agent(Node):
     def tick(self): pass

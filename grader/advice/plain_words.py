@@ -14,9 +14,9 @@ from collections.abc import Callable, Sequence
 from types import BuiltinMethodType, FunctionType, MethodType, ModuleType
 from typing import Any
 
-from .message_words import FIELD, lacks_field, types_of, with_article, wrong_field
-from .rules import of_ros_1, rule_for
-from .syntax_words import words_on_syntax
+from grader.advice.message_words import FIELD, lacks_field, types_of, with_article, wrong_field
+from grader.advice.rules import of_ros_1, rule_for
+from grader.advice.syntax_words import words_on_syntax
 
 FUNCTIONS = (FunctionType, MethodType, BuiltinMethodType)
 AXES = ("x", "y", "z")

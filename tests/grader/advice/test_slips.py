@@ -2,7 +2,7 @@
 
 import pytest
 
-from grader.host.slips import SAID, said_in, slips
+from grader.advice.slips import SAID, said_in, slips
 
 SLIPS = {  # a program: what is said
     "class A:\n    def f(self): pass\n    def f(self): pass": "A defines f in line 2 and again",

@@ -33,9 +33,10 @@ from types import (
 )
 from typing import Any
 
-from . import hints
-from .message_words import field_of
-from .plain_words import plain_words
+from grader.advice import hints
+from grader.advice.message_words import field_of
+from grader.advice.plain_words import plain_words
+from grader.host.wire import steady
 
 MAX_FRAMES = 4
 MAX_VALUES = 6  # of a frame
@@ -47,8 +48,6 @@ MAX_CHAIN = 8  # exceptions that followed one another
 MAX_SAID = 400  # [characters] of an exception's text
 RCLPY = ("rclpy", "executors.py")
 NAMES = re.compile(r"(?<![\w.\"'])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
-ADDRESS = re.compile(r" at 0x[0-9a-f]+")
-BUILT_IN = re.compile(r"<built-in method (\w+) of [^<>]*>")
 SIGNATURES = " The following argument types are supported:"  # of C++, pages of them
 SILENT = (ModuleType, FunctionType, MethodType, type, CodeType)
 MISSING = object()
@@ -365,9 +364,4 @@ def _said(error: BaseException) -> str:
         text = "".join(traceback.format_exception_only(error))
     except Exception:
         text = type(error).__name__
-    return readable(" ".join(text.split()).partition(SIGNATURES)[0])[:MAX_SAID]
-
-
-def readable(text: str) -> str:
-    """Leave out what tells a student nothing, and differs from run to run."""
-    return ADDRESS.sub("", BUILT_IN.sub(r"\1()", text))
+    return steady(" ".join(text.split()).partition(SIGNATURES)[0])[:MAX_SAID]

@@ -24,9 +24,12 @@ from types import ModuleType
 from typing import Any
 from xml.etree import ElementTree
 
-from . import hints, launch_files
-from .frames import Executable, Launched, PackageRead
-from .wire import sendable
+import msgspec
+
+from grader.advice import hints
+from grader.colcon import launch_files
+from grader.colcon.frames import Executable, Launched, PackageRead, ReadPackage
+from grader.host.wire import sendable
 
 ENTRY = re.compile(r"\s*([^=\s]+)\s*=\s*([\w.]+)\s*:\s*([\w.]+)\s*(?:\[.*\])?\s*")
 INSTALL = re.compile(
@@ -44,6 +47,12 @@ MAX_SAID = 300  # [characters]
 
 class Unbuildable(Exception):
     """The package can't be built; the message says why."""
+
+
+def carry_out(order: bytes) -> bytes:
+    """Read a package, as a task of a host."""
+    wanted = msgspec.msgpack.decode(order, type=ReadPackage)
+    return msgspec.msgpack.encode(read(wanted.launch, wanted.folders))
 
 
 def read(launch: str, folders: Iterable[str] = ("",)) -> PackageRead:

@@ -12,8 +12,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from grader.host.frames import Question
-from grader.host.supplied.kept import desk
+from grader.hosted.questions import Question, ask
 
 
 class DetectionDouble(Node):  # type: ignore[misc]
@@ -37,7 +36,7 @@ class DetectionDouble(Node):  # type: ignore[misc]
 
     def carry(self, answer: Future) -> None:
         """Wait for the judge's answer to a request."""
-        answer.set_result(desk.ask(Question(0, "request", "/detect")))
+        answer.set_result(ask(Question("request", "/detect")))
         self.executor.wake()
 
 

@@ -1,8 +1,8 @@
 """Read a launch file, with a small stand-in of `launch` and `launch_ros`.
 
 PyPI has no wheels of them. A launch file is a program: it runs here, behind the wall. What it
-starts comes out as command lines; what the stand-in (`launch_words`) does not know is named in one
-line.
+starts comes out as command lines; what the stand-in (`launch_stand_in`) does not know is named in
+one line.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from . import launch_words as words
-from .launch_words import KNOWN, Context, Started, Unknown
+from grader.colcon import launch_stand_in
+from grader.colcon.launch_stand_in import KNOWN, Context, Started, Unknown
 
 __all__ = ["Started", "Unknown", "read", "standing_in"]
 
@@ -36,7 +36,7 @@ def read(
     os.environ["AMENT_PREFIX_PATH"] = os.pathsep.join(filter(None, paths))
     context = Context(package, packages | {package})
     with standing_in(_modules()):
-        words.include(file, context)
+        launch_stand_in.include(file, context)
     if not context.started:
         raise Unknown(f"{file} starts no node of the package {package or ', '.join(packages)}")
     for each in context.started:  # the package lies elsewhere when the nodes run
@@ -77,10 +77,10 @@ def _modules() -> dict[str, ModuleType]:
         "launch_ros.substitutions": "FindPackageShare",
     }  # fmt: skip
     made = {
-        name: _module(name, {each: getattr(words, each) for each in own.split()})
+        name: _module(name, {each: getattr(launch_stand_in, each) for each in own.split()})
         for name, own in has.items()
     }
-    made["launch_ros.actions"].__dict__["PushRosNamespace"] = words.PushROSNamespace
+    made["launch_ros.actions"].__dict__["PushRosNamespace"] = launch_stand_in.PushROSNamespace
     for name, module in made.items():
         parent, _, last = name.rpartition(".")
         if parent:

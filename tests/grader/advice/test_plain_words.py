@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from grader.host.plain_words import plain_words
+from grader.advice.plain_words import plain_words
 
 CLASS = """
 class Agent:

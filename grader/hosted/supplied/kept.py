@@ -6,32 +6,17 @@ there before the model's time is over, and the judge knows when and how often it
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..frames import MAX_COLUMNS, MAX_ROWS, Question, Told
+from ..questions import MAX_COLUMNS, MAX_ROWS, Question, ask
 from ..raises import RAISES
 
 WRONG_SHAPE = "expected features of shape (n, 5)"  # the judge says so, of a model that wants five
 
 Array = NDArray[Any]
-Ask = Callable[[Question], Told]
-
-
-def _nobody(_: Question) -> Told:
-    raise RuntimeError("this model answers in a trial of the grader only")
-
-
-class _Desk:
-    """Who carries questions to the judge; a host puts its own way here."""
-
-    ask: Ask = staticmethod(_nobody)
-
-
-desk = _Desk()
 
 
 class Kept:
@@ -58,7 +43,7 @@ class Kept:
         known = rows.ndim in (1, 2) and 1 <= len(rows) <= MAX_ROWS
         if not known or not len(rows) <= rows.size <= len(rows) * MAX_COLUMNS:
             raise ValueError(f"{WRONG_SHAPE}, got {rows.shape}")
-        told = desk.ask(Question(0, method, self._file, self._load, len(rows), rows.tobytes()))
+        told = ask(Question(method, self._file, self._load, len(rows), rows.tobytes()))
         if told.problem:
             got = f", got {rows.shape}" if told.problem == WRONG_SHAPE else ""
             raise RAISES.get(told.error, RuntimeError)(told.problem + got)
@@ -79,7 +64,7 @@ class KeptClassifier(Kept):
 
 def load(kind: type[Kept], file: str) -> Kept:
     """Load the model: what unpickling its file does."""
-    told = desk.ask(Question(0, "load", file))
+    told = ask(Question("load", file))
     if told.problem:
         raise RuntimeError(told.problem)
     return kind(file, told.load)

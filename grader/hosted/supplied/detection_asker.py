@@ -8,8 +8,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from grader.host.frames import MAX_TEXT, Question
-from grader.host.supplied.kept import desk
+from grader.host.frames import MAX_TEXT
+from grader.hosted.questions import Question, ask
 
 
 class DetectionAsker(Node):  # type: ignore[misc]
@@ -23,7 +23,7 @@ class DetectionAsker(Node):  # type: ignore[misc]
     def ask_in_turn(self) -> None:
         """Ask each time the judge says so; it has not answered when there is no more to ask."""
         while True:
-            turn = desk.ask(Question(0, "turn", "/detect")).load
+            turn = ask(Question("turn", "/detect")).load
             future = self.client.call_async(Trigger.Request())
             future.add_done_callback(lambda answer, turn=turn: self.tell(turn, answer))
 
@@ -31,7 +31,7 @@ class DetectionAsker(Node):  # type: ignore[misc]
         """Tell the judge what came of a request."""
         response = answer.result()
         said = response.message.encode()[:MAX_TEXT]
-        desk.ask(Question(0, "answer", "/detect", turn, int(response.success), said))
+        ask(Question("answer", "/detect", turn, int(response.success), said))
 
 
 def main(args: list[str] | None = None) -> None:

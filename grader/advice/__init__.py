@@ -1,0 +1,41 @@
+"""What the course says to beginners of their programs: slips, exceptions, what a sandbox refuses.
+
+A host calls `Advisor` in the program's process.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from grader.advice import deaths, hints, slips
+from grader.host.advice import Advice
+
+
+class Advisor(Advice):
+    """The course's advice."""
+
+    def begin(self) -> None:
+        """Let `os.system` say that it can't do anything."""
+        hints.tell_of_shell_commands()
+
+    def slips(self, source: bytes) -> list[str]:
+        """Return sentences on lines that can't mean what they say."""
+        return slips.slips(source)
+
+    def unused_imports(self, source: bytes) -> list[str]:
+        """Return the names that a source imports and never uses."""
+        return slips.unused_imports(source)
+
+    def cause(self, error: BaseException) -> BaseException:
+        """Return the first exception, where a `finally:` has raised another."""
+        return deaths.first_of(error)
+
+    def hint(self, error: BaseException) -> str:
+        """Return what to do about an exception that comes from where a node runs."""
+        return hints.hint(error)
+
+    def account(self, error: BaseException, folder: Path) -> str:
+        """Return the place, the program's own lines, the values there, and advice."""
+        if isinstance(error, SyntaxError) and Path(error.filename or "").is_relative_to(folder):
+            return deaths.account_of_syntax(error)
+        return deaths.account(error, folder)

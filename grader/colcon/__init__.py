@@ -1,0 +1,1 @@
+"""Reads colcon packages and launch files, behind the wall: they are programs."""

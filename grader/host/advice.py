@@ -1,0 +1,51 @@
+"""What a host says of the programs that it runs, beyond Python's own words."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+
+class Advice:
+    """Words on a program for its author; a launcher takes a subclass, by "module:Class".
+
+    Its methods are called in the program's own process, and decide nothing. This class says
+    nothing.
+    """
+
+    def begin(self) -> None:
+        """Prepare the process, before any program runs in it."""
+
+    def slips(self, source: bytes) -> list[str]:
+        """Return sentences for stderr on a source that is about to run."""
+        return []
+
+    def unused_imports(self, source: bytes) -> list[str]:
+        """Return the names that a source imports and never uses."""
+        return []
+
+    def cause(self, error: BaseException) -> BaseException:
+        """Return the exception to tell of, where one has led to another."""
+        return error
+
+    def hint(self, error: BaseException) -> str:
+        """Return what to do about an exception, in a sentence; "" if there is nothing to say."""
+        return ""
+
+    def account(self, error: BaseException, folder: Path) -> str:
+        """Return an account of an exception, ahead of its traceback.
+
+        `folder` is that of the program's modules.
+        """
+        return ""
+
+
+given = Advice()
+
+
+def use(name: str) -> None:
+    """Take the advice of this name in this process; "" stands for none."""
+    global given  # noqa: PLW0603
+    if name:
+        module, _, cls = name.partition(":")
+        given = getattr(importlib.import_module(module), cls)()

@@ -1,0 +1,1 @@
+"""What the course runs in hosts, beside a student's programs: models, and programs of its own."""

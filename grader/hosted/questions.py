@@ -1,0 +1,42 @@
+"""Questions of a program to models that the judge keeps, or to a program of the grader's."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import msgspec
+
+from grader.host.desk import desk
+from grader.host.frames import Name, Nanoseconds, Text
+
+MAX_ROWS = 1_000  # of features in one question
+MAX_COLUMNS = 64  # features in a row
+
+
+class Question(msgspec.Struct, array_like=True, frozen=True):
+    """Something that a model is asked whose answers the judge has, or a program of the grader's."""
+
+    method: Annotated[
+        str, msgspec.Meta(pattern="^(load|predict|predict_proba|request|turn|answer)$")
+    ]
+    file: Name  # of the model, or the service
+    load: Nanoseconds = 0  # which load of it answers; 0 while it is loaded; of answers: which turn
+    rows: Annotated[int, msgspec.Meta(ge=0, le=MAX_ROWS)] = 0  # of answers: 1 with success
+    features: bytes = b""  # (rows, columns) float64; of answers: the message
+
+
+class Told(msgspec.Struct, array_like=True, frozen=True):
+    """What the model says."""
+
+    problem: Text = ""  # what it raises; "" if it doesn't
+    error: str = ""  # the type of that exception, by the name that it has in `raises`
+    load: Nanoseconds = 0
+    shape: tuple[int, ...] = ()
+    numbers: bytes = b""  # float64
+    dtype: str = "float64"  # of what the model says
+    labels: tuple[str, ...] = ()
+
+
+def ask(question: Question) -> Told:
+    """Ask the judge, and wait as long as it takes: what programs call."""
+    return msgspec.msgpack.decode(desk.ask(msgspec.msgpack.encode(question)), type=Told)
