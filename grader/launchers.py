@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+import os
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from grader.errors import InputError
 from grader.link import choice
+from grader.link.errors import NoRos
 from grader.link.pool import ForkServerPool
 from grader.link.practice import PracticeServer
 from grader.link.ros_environment import RosEnvironment
@@ -41,7 +45,8 @@ def fork_server(
     """
     from grader.link.hosts import ForkServer  # noqa: PLC0415
 
-    return ForkServer(EPOCH_NS, ros, libraries=(*HOSTED, *libraries), **COURSE, **options)
+    with _asking_for_ros():
+        return ForkServer(EPOCH_NS, ros, libraries=(*HOSTED, *libraries), **COURSE, **options)
 
 
 def start_launcher(
@@ -56,9 +61,33 @@ def start_launcher(
     InputError
         There is neither.
     """
-    return choice.start_launcher(EPOCH_NS, (*HOSTED, *libraries), portable=portable, **COURSE)
+    with _asking_for_ros():
+        return choice.start_launcher(EPOCH_NS, (*HOSTED, *libraries), portable=portable, **COURSE)
 
 
 def launcher_pool(most: int | None = None) -> ForkServerPool:
     """Return a pool of launchers, of which at most so many are warm at once."""
     return ForkServerPool(start_launcher, most)
+
+
+@contextlib.contextmanager
+def _asking_for_ros() -> Iterator[None]:
+    try:
+        yield
+    except NoRos as error:
+        raise InputError(str(error)) from error
+
+
+def why_no_class(*, trust: bool) -> str:
+    """Say why a class can't be graded on this machine; "" if it can, or if `trust` lets it."""
+    reason = choice.why_not_linux()
+    if not reason:
+        return ""
+    if not hasattr(os, "fork") or not os.path.isdir("/proc"):  # noqa: PTH112
+        return f"course autograde needs Linux: {reason}"
+    if trust:
+        return ""
+    return (
+        f"submissions would be graded for practice only, and without isolation: {reason} "
+        "(--trust does it all the same)"
+    )

@@ -35,11 +35,11 @@ from grader.grading.handed_in import layers_here
 from grader.grading.trying import why_none_runs
 from grader.host.sandbox.layers import FILES, USER
 from grader.link.cell import CLASS, Refused, read_in_cell
+from grader.link.foreign import echo
 from grader.link.scratch import fresh_folder
 from grader.lms.clean import one_line
 from grader.lms.gradescope import SEEN, results_json
 from grader.lms.names import student_id
-from grader.report.foreign import echo
 from grader.report.page import json_text
 
 SETTINGS = "autograder.json"  # written by grader.authoring.gradescope

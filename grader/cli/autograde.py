@@ -88,7 +88,7 @@ def autograde(
 
     Give later runs into the same folder the same options.
     """
-    from grader.link.choice import why_no_class  # noqa: PLC0415
+    from grader.launchers import why_no_class  # noqa: PLC0415
     from grader.report.terminal import Console  # noqa: PLC0415
 
     if not submissions:

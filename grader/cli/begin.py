@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from grader.report.foreign import echo
+from grader.link.foreign import echo
 
 STARTS = """\b
 Examples:

@@ -9,7 +9,7 @@ import click
 
 from grader.cli.results import FULL
 from grader.errors import InputError
-from grader.report.foreign import echo
+from grader.link.foreign import echo
 
 NO_LIBRARY = "the desk needs a library: pip install tornado (or the course with the extra desk)"
 EXAMPLES = """\b

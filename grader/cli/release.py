@@ -9,7 +9,7 @@ import click
 
 from grader.cli.results import FULL
 from grader.errors import InputError
-from grader.report.foreign import echo
+from grader.link.foreign import echo
 
 EXAMPLES = """\b
 Examples:

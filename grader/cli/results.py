@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from grader.errors import InputError
-from grader.report.foreign import echo, write
+from grader.link.foreign import echo, write
 
 if TYPE_CHECKING:
     from grader.grading.grading import Grading

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib.util
+import platform
 from collections.abc import Iterable
 
 from grader.errors import GraderError
+from grader.link import system
 
 COURSE = "rclpy-agents-course"
 OPTIONAL = {  # module: its usual name, and its distribution
@@ -41,3 +43,11 @@ def _is_installed(module: str) -> bool:
         raise GraderError(f"a check requires {module!r}; there are: {', '.join(OPTIONAL)}")
     spec = importlib.util.find_spec(module)
     return spec is not None and spec.origin is not None  # None: some folder of that name
+
+
+def never_run() -> str:
+    """Say that nobody has run the course on such a system yet; "" if somebody has."""
+    if system.is_tried():
+        return ""
+    here = f"{platform.system()} on {platform.machine()}"
+    return f"The course has never been run on {here} yet. Please tell what you see."

@@ -28,8 +28,8 @@ from typing import Any, Literal, TypeVar
 
 import msgspec
 
-from grader.errors import DiskFull, GraderError, is_disk_full
 from grader.link import real_clock
+from grader.link.errors import DiskFull, EngineError, is_disk_full
 from grader.link.interpreter import with_needs
 from grader.link.scratch import open_regular_file
 
@@ -109,7 +109,7 @@ def read_in_cell(
         No space is left.
     OSError
         The file can't be opened, is a link, or no ordinary file.
-    GraderError
+    EngineError
         No process can be made.
     """
     with contextlib.ExitStack() as stack:
@@ -156,7 +156,7 @@ def _understood(said: bytes, returns: Any) -> Any:
     if answer.kind == "full":
         raise DiskFull(text)
     if answer.kind == "fault":
-        raise GraderError(f"no file of students' can be read here: {text}")
+        raise EngineError(f"no file of students' can be read here: {text}")
     raise (Broken if answer.kind == "broken" else Refused)(text)
 
 
@@ -184,7 +184,7 @@ class _Servers:
                 self.close()
                 if isinstance(error, OSError):
                     why = f"students' files can't be read here ({error.strerror})"
-                    raise GraderError(why) from error
+                    raise EngineError(why) from error
                 raise
 
     def _asked(

@@ -7,7 +7,7 @@ import signal
 import sys
 from typing import TYPE_CHECKING, Any
 
-from grader.errors import InputError
+from grader.link.errors import NoRos
 from grader.link.practice import PracticeServer
 from grader.link.ros_environment import find_ros
 
@@ -33,7 +33,7 @@ def start_launcher(
 
     Raises
     ------
-    InputError
+    NoRos
         There is neither.
     """
     if portable or why_not_linux():
@@ -49,21 +49,6 @@ def why_not_linux() -> str:
         return f"the launcher for the real rclpy is for Linux, and this is {sys.platform}"
     try:
         find_ros()
-    except InputError as error:
+    except NoRos as error:
         return str(error)
     return ""
-
-
-def why_no_class(*, trust: bool) -> str:
-    """Say why a class can't be graded on this machine; "" if it can, or if `trust` lets it."""
-    reason = why_not_linux()
-    if not reason:
-        return ""
-    if not hasattr(os, "fork") or not os.path.isdir("/proc"):  # noqa: PTH112
-        return f"course autograde needs Linux: {reason}"
-    if trust:
-        return ""
-    return (
-        f"submissions would be graded for practice only, and without isolation: {reason} "
-        "(--trust does it all the same)"
-    )

@@ -7,7 +7,6 @@ import tempfile
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from grader.errors import GraderError, InputError
 from grader.host.frames import Hello
 from grader.host.sandbox import users
 from grader.host.sandbox.amounts import (
@@ -18,11 +17,11 @@ from grader.host.sandbox.amounts import (
     MAX_PROCESSES,
 )
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
-from grader.link import system
+from grader.link.errors import EngineError
 from grader.link.hosts import ForkServer
 from grader.link.pipes import PATROL
+from grader.link.settings import EPOCH
 from grader.link.trouble import trouble
-from sim.messages import EPOCH_NS
 
 TRUNCATE_SINCE = 3  # version of Landlock that minds how files are emptied
 NEEDS: Mapping[str, str] = {  # a layer: what a machine must have for it
@@ -68,7 +67,6 @@ class Diagnosis:
     ros: str  # "" if there is none
     problem: str  # why no node can run here; "" if one can
     layers: tuple[Layer, ...]
-    extras: Mapping[str, tuple[str, ...]]  # what it is for: distributions that are missing
     gaps: tuple[str, ...] = ()  # what a submission can still do to a class, a sentence each
     trouble: tuple[str, ...] = ()  # what a class would fail on, a sentence each
 
@@ -122,17 +120,16 @@ def diagnose() -> Diagnosis:
     ros, problem = "", ""
     means = Hello(())
     try:
-        with ForkServer(EPOCH_NS) as forkserver:
+        with ForkServer(EPOCH) as forkserver:
             means = forkserver.means
             ros = forkserver.ros.kind
-    except (GraderError, InputError) as error:
+    except EngineError as error:
         problem = str(error)
     return Diagnosis(
         python=f"{platform.python_version()} on {platform.platform(terse=True)}",
         ros=ros,
         problem=problem,
         layers=tuple(Layer(name, name in means.layers, _version(name, means)) for name in LAYERS),
-        extras=system.missing_extras(),
         gaps=() if problem else gaps(means, root=users.is_root()),
         trouble=trouble(means.layers),
     )

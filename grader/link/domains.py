@@ -7,7 +7,7 @@ import random
 from collections.abc import Iterator
 from pathlib import Path
 
-from grader.errors import GraderError
+from grader.link.errors import EngineError
 from grader.link.locks import held
 
 DOMAINS = range(1, 102)  # above 101 the ports are Linux's own for outgoing connections
@@ -22,7 +22,7 @@ def own_domain() -> Iterator[int]:
 
     Raises
     ------
-    GraderError
+    EngineError
         There is none left.
     """
     taken = domains_in_use()
@@ -33,7 +33,7 @@ def own_domain() -> Iterator[int]:
             if mine:
                 yield domain
                 return
-    raise GraderError("no free DDS domain: too many ROS programs or live trials on this machine")
+    raise EngineError("no free DDS domain: too many ROS programs or live trials on this machine")
 
 
 def domains_in_use() -> set[int]:

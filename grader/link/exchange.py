@@ -38,6 +38,13 @@ class Cost:
     queued: float = 0.0  # [s] waited for a CPU, by host or judge; measured only if wall >> cpu
 
 
+def status_text(status: str) -> str:
+    """Put an exit status into words ("-9": killed by signal 9)."""
+    if status.startswith("-"):
+        return f"signal {status[1:]}"
+    return f"exit code {status or 'unknown'}"
+
+
 def decoded(body: bytes, decode: Callable[[bytes], Answer]) -> Answer:
     """Decode a frame of a host; HostForged if it isn't one."""
     try:

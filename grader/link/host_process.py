@@ -8,9 +8,9 @@ import select
 import signal
 from dataclasses import dataclass
 
-from grader.errors import GraderError
 from grader.host.frames import ENTERED, REFUSED
 from grader.link import real_clock
+from grader.link.errors import EngineError
 from grader.link.run_queue import is_ready
 from grader.link.workplace import Watch
 
@@ -50,15 +50,15 @@ class HostProcess:
 
         Raises
         ------
-        GraderError
+        EngineError
             It has never come to the student's program, or the fork server has ended.
         """
         self.reap(patience)
         said = self._said.decode("utf-8", "replace").strip()
         if not self._said.endswith(b"\n"):
-            raise GraderError("the process that starts hosts has ended, and the node with it")
+            raise EngineError("the process that starts hosts has ended, and the node with it")
         if not self._said.startswith(ENTERED):
-            raise GraderError(f"no host for the node: {said.removeprefix(REFUSED.decode())}")
+            raise EngineError(f"no host for the node: {said.removeprefix(REFUSED.decode())}")
         return said[1:]
 
     def reap(self, patience: float = 0.0) -> None:

@@ -18,13 +18,13 @@ from pathlib import Path
 
 import msgspec
 
-from grader.errors import GraderError
 from grader.host.frames import Birth, Clear, Done, Fault, Furnish, Hello, Request
 from grader.host.kinds import LIVE, NODES, SCRIPTS
 from grader.host.sandbox.kernel_filters import NEWEST, hide_memory
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, MOUNTS, NETWORK, USER
 from grader.host.sandbox.users import USERS, closed_ancestor, prefer
 from grader.link import real_clock
+from grader.link.errors import EngineError
 from grader.link.host_process import HostProcess
 from grader.link.interpreter import left_out, with_needs
 from grader.link.link import Link
@@ -190,7 +190,7 @@ class ForkServer:
                 if mine:
                     yield uid
                     return
-        raise GraderError("no free user for a host: too many run on this machine")
+        raise EngineError("no free user for a host: too many run on this machine")
 
     @contextlib.contextmanager
     def workplace(self, folder: Path, *, limited: bool = True) -> Iterator[Workplace]:
@@ -201,7 +201,7 @@ class ForkServer:
 
         Raises
         ------
-        GraderError
+        EngineError
             The machine refuses that.
         """
         with self.user() as uid:
@@ -290,7 +290,7 @@ class ForkServer:
             try:
                 hello = msgspec.json.decode(self._hear(), type=Hello)
             except (OSError, msgspec.DecodeError) as error:
-                raise GraderError(f"no host for students' nodes: {self._why()}") from error
+                raise EngineError(f"no host for students' nodes: {self._why()}") from error
             self._means = hello
             self._ready = True
             if self._kind == LIVE:  # it forks hosts while a trial in real time is running
@@ -334,7 +334,7 @@ class ForkServer:
         try:
             birth, pidfd = self._ask(request, theirs)
             assert isinstance(birth, Birth)
-        except GraderError:
+        except EngineError:
             for fd in (link_out, link_in, stdout, stderr, status):
                 os.close(fd)
             raise
@@ -357,16 +357,16 @@ class ForkServer:
                 data, fds, _, _ = socket.recv_fds(self._control, 4096, 1)
             answer = msgspec.json.decode(data, type=Birth | Done | Fault)
         except (OSError, msgspec.DecodeError) as error:
-            raise GraderError(f"no host for the node: {self._last_words()}") from error
+            raise EngineError(f"no host for the node: {self._last_words()}") from error
         if isinstance(answer, Fault):
-            raise GraderError(f"no host for the node: {answer.text}")
+            raise EngineError(f"no host for the node: {answer.text}")
         return answer, fds[0] if fds else -1
 
 
 def _check_open(folder: Path) -> None:
     closed = closed_ancestor(folder.parent)
     if closed is not None:
-        raise GraderError(
+        raise EngineError(
             f"{closed}: closed to the user that runs students' nodes, and holds their temporary "
             "folders; set TMPDIR to a folder that everybody can enter, such as /tmp"
         )

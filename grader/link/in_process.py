@@ -20,7 +20,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Generic, NoReturn, Protocol, cast
 
-from grader.errors import GraderError
 from grader.host import advice as advice_module
 from grader.host import forkserver, imports, practice, scripts
 from grader.host.frames import (
@@ -34,6 +33,7 @@ from grader.host.frames import (
 )
 from grader.host.wire import Wire, flush_output
 from grader.link import real_clock
+from grader.link.errors import EngineError
 from grader.link.exchange import Cost, HostDied
 from grader.link.link import Conversation, Link, Result
 from grader.link.log import LogLine
@@ -118,11 +118,11 @@ class InProcess:
     @property
     def workshop(self) -> NoReturn:
         """Refuse: there is no host for scripts."""
-        raise GraderError("training scripts can't be run here; use the installed course")
+        raise EngineError("training scripts can't be run here; use the installed course")
 
     def workplace(self, folder: Path) -> NoReturn:
         """Refuse: there is one host, once."""
-        raise GraderError("there is one folder here, once; use the installed course")
+        raise EngineError("there is one folder here, once; use the installed course")
 
     @contextlib.contextmanager
     def host(self, place: Path | Workplace) -> Iterator[Link]:
@@ -221,7 +221,7 @@ class _Host:
 
     def exchange(self, data: bytes, limit: float) -> NoReturn:
         """Refuse: no bytes go this way."""
-        raise GraderError("a host in the judge's process takes conversations only")
+        raise EngineError("a host in the judge's process takes conversations only")
 
     def read_output(self) -> None:
         """Take in what it has printed."""

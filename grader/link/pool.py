@@ -43,7 +43,7 @@ class ForkServerPool:
 
         Raises
         ------
-        GraderError
+        EngineError
             It can't be started.
         """
         forkserver = self._warm.pop(libraries, None)

@@ -21,10 +21,10 @@ from typing import IO
 
 import msgspec
 
-from grader.errors import GraderError
 from grader.host.frames import LENGTH, MAX_FRAME, Request
 from grader.host.kinds import NODES, SCRIPTS
 from grader.link import real_clock
+from grader.link.errors import EngineError
 from grader.link.exchange import Cost, HostDied, HostForged, HostHung
 from grader.link.link import Link
 from grader.link.log import LogLine
@@ -185,13 +185,13 @@ class PracticeHost:
 
         Raises
         ------
-        GraderError
+        EngineError
             It could not start.
         """
         try:
             self._receive(START)
         except (HostDied, HostHung, HostForged) as error:
-            raise GraderError(f"no host for the node: {self._last_words()}") from error
+            raise EngineError(f"no host for the node: {self._last_words()}") from error
         body = msgspec.json.encode(Request(str(folder), 0, ()))
         self._orders.put(LENGTH.pack(len(body)) + body)
 

@@ -16,8 +16,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.errors import InputError
 from grader.link import system
+from grader.link.errors import NoRos
 from rclpy_portable import unpacking
 from rclpy_portable.wheels import DownloadFailed
 
@@ -61,13 +61,13 @@ def portable_ros() -> RosEnvironment:
 
     Raises
     ------
-    InputError
+    NoRos
         rclpy's Python has to be fetched for it, and can't be.
     """
     try:
         folder = unpacking.folder(_tell)
     except DownloadFailed as error:
-        raise InputError(str(error)) from error
+        raise NoRos(str(error)) from error
     return RosEnvironment(PORTABLE, (folder,), (), (), PORTABLE_PRELUDE)
 
 
@@ -89,7 +89,7 @@ def find_ros(
 
     Raises
     ------
-    InputError
+    NoRos
         There is none, or only another one; the message says how to install it.
     """
     variables = dict(os.environ) if environ is None else environ
@@ -104,7 +104,7 @@ def find_ros(
         for ros, version in zip(found, versions, strict=True)
     )
     advice = HOW_TO_INSTALL if system.has_ros_wheels() else f"{NO_WHEELS} {system.name()}"
-    raise InputError(f"ROS 2 {DISTRO.capitalize()} was not found{others}: {advice}")
+    raise NoRos(f"ROS 2 {DISTRO.capitalize()} was not found{others}: {advice}")
 
 
 def _version(folders: Iterable[Path]) -> str:

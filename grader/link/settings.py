@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 
+EPOCH = 1_700_000_000 * 10**9  # [ns] ROS time at the start of a test
 NO_GPU = {"CUDA_VISIBLE_DEVICES": ""}  # the same run on every machine
 LEARNING = {  # for whoever imports Keras
     "KERAS_BACKEND": "torch",

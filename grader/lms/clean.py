@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from grader.report.foreign import ESCAPES, readable
+from grader.link.foreign import ESCAPES, readable
 
 MAX_NAME = 120  # [characters] of a name on a page
 

@@ -17,9 +17,9 @@ from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
 
-from grader.course.installed import COURSE
-from grader.errors import InputError
+from grader.course.installed import COURSE, never_run
 from grader.link import system
+from grader.link.errors import NoRos
 from grader.link.ros_environment import PORTABLE, RosEnvironment, find_ros, portable_ros
 from grader.notebook.program import run
 from grader.notebook.show import Progress
@@ -49,7 +49,7 @@ def prepare_kernel() -> None:
     importlib.invalidate_caches()
     try:
         ros = _ros()
-    except InputError as error:
+    except NoRos as error:
         print(f"Not ready: {error}", flush=True)
         return
     adopt(ros)
@@ -58,7 +58,7 @@ def prepare_kernel() -> None:
     if ros.kind == PORTABLE:
         from grader.link.practice import PRACTICE  # noqa: PLC0415  (needs what is installed now)
 
-        said = f"{PRACTICE[0].upper()}{PRACTICE[1:]}. {system.never_run()}"
+        said = f"{PRACTICE[0].upper()}{PRACTICE[1:]}. {never_run()}"
         print(said.strip(), flush=True)
 
 
@@ -66,7 +66,7 @@ def _ros() -> RosEnvironment:
     """Return the real ROS, or the portable one where there are no wheels of the real one."""
     try:
         return find_ros()
-    except InputError:
+    except NoRos:
         if system.has_ros_wheels():
             raise
         return portable_ros()
@@ -77,7 +77,7 @@ def missing() -> list[str]:
     wanted = [one for one in (*required(), *required("ml"), "matplotlib") if not _is_here(one)]
     try:
         find_ros()
-    except InputError:
+    except NoRos:
         wanted += required("ros") if system.has_ros_wheels() else []
     return wanted
 

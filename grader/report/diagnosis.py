@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import importlib.metadata
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from rich.table import Table
 from rich.text import Text
 
+from grader.course.installed import never_run
 from grader.link import system
 from grader.report.facts import OUTCOMES
 from grader.report.terminal import MAX_WIDTH, Console, is_ascii, printable
@@ -15,6 +18,13 @@ from grader.report.terminal import MAX_WIDTH, Console, is_ascii, printable
 if TYPE_CHECKING:
     from grader.link.doctor import Diagnosis
 
+EXTRAS: Mapping[str, tuple[str, ...]] = {  # what it is for: distributions
+    "exercise 2, 5, 6, 8 and 9 (extra `ml`)": ("scikit-learn", "onnxruntime", "onnx", "skl2onnx"),
+    "PyTorch and Keras in exercise 8 (extra `deep`)": ("torch", "keras"),
+    "grading on a cluster (extra `cluster`)": ("distributed",),
+    "the desk (extra `desk`)": ("tornado",),
+    "notebooks (extra `notebooks`)": ("jupyterlab", "nbgrader"),
+}
 PRACTICE_HERE = (
     "course grade and course drive take the portable runtime instead: rclpy's own Python on a "
     "native half that is written in Python, in the same virtual time.",
@@ -28,7 +38,7 @@ PRACTICE_HERE = (
 def render_diagnosis(found: Diagnosis, console: Console) -> None:
     """Print what `course doctor` found."""
     width = min(console.width, MAX_WIDTH)
-    console.print(_facts(found.python, found.ros or "not found", found.extras), width=width)
+    console.print(_facts(found.python, found.ros or "not found", missing_extras()), width=width)
     layers = Table(box=None, padding=(0, 2, 0, 1), header_style="bold")
     for heading in ("Layer", "", "What it is for"):
         layers.add_column(heading)
@@ -75,12 +85,24 @@ def render_practice(reason: str, console: Console) -> None:
     """Print what `course doctor` says where the real rclpy can't run."""
     width = min(console.width, MAX_WIDTH)
     ros = "portable: rclpy's own Python, for practice"
-    console.print(_facts(system.name(), ros, system.missing_extras()), width=width)
+    console.print(_facts(system.name(), ros, missing_extras()), width=width)
     console.print()
-    if untried := system.never_run():
+    if untried := never_run():
         console.print(Text(f" {untried}", style="bold yellow"), width=width)
         console.print()
     console.print(Text(f" The real rclpy can't run here: {reason}", style="yellow"), width=width)
     console.print()
     for line in PRACTICE_HERE:
         console.print(Text(f" {line}"), width=width)
+
+
+def missing_extras() -> Mapping[str, tuple[str, ...]]:
+    """Return what each extra is for, and which of its distributions are missing."""
+    return {what: tuple(filter(_is_missing, names)) for what, names in EXTRAS.items()}
+
+
+def _is_missing(distribution: str) -> bool:
+    with contextlib.suppress(importlib.metadata.PackageNotFoundError):
+        importlib.metadata.version(distribution)
+        return False
+    return True

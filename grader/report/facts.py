@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from grader.report.foreign import readable
+from grader.link.foreign import readable
 
 Check = Mapping[str, Any]
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from grader.link.foreign import readable
 from grader.report.facts import in_order
-from grader.report.foreign import readable
 from grader.report.replay import moments_of, replay_payload
 
 if TYPE_CHECKING:

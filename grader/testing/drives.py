@@ -13,8 +13,8 @@ from grader.course.submission import find_submission
 from grader.drive import drive_node, scenario_for
 from grader.errors import GraderError, InputError
 from grader.launchers import start_launcher
+from grader.link.foreign import readable
 from grader.link.practice import PracticeServer
-from grader.report.foreign import readable
 from grader.testing.run import Run, write_replays
 from grader.trial.staging import parameter_arguments
 from sim.scenario import Scenario

@@ -16,22 +16,22 @@ from typing import Any, Literal
 
 import pytest
 
-from grader.errors import GraderError, InputError
 from grader.host.frames import Ended, Reported, RunTest, decode_from_test, encode
 from grader.host.kinds import TESTS
 from grader.link import real_clock
-from grader.link.exchange import HostDied, HostForged, HostHung, decoded
+from grader.link.errors import EngineError
+from grader.link.exchange import HostDied, HostForged, HostHung, decoded, status_text
+from grader.link.foreign import echo, readable
 from grader.link.host_process import HostProcess
 from grader.link.hosts import ForkServer
 from grader.link.pipes import Channel
 from grader.link.scratch import fresh_folder
-from grader.report.foreign import echo, readable
-from grader.trial.endings import GRACE, died_text
-from sim.messages import EPOCH_NS
+from grader.link.settings import EPOCH
 
 LIMIT = 60.0  # [s] of virtual time
 PATIENCE = 120.0  # [s] of real time
 START = 10.0  # [s] to send the order
+GRACE = 1.0  # [s] for the end of a process that has hung up
 # reports, caches and measurements are of the pytest outside
 UNUSED = ("terminal", "cacheprovider", "junitxml", "pastebin", "pytest_cov")
 IMPORTED_EARLY = "ignore::pytest.PytestAssertRewriteWarning"  # plug-ins that the host itself uses
@@ -72,10 +72,10 @@ class TestHosts:
         try:
             order, patience = _order(item)
             if self._forkserver is None:
-                self._forkserver = ForkServer(EPOCH_NS, kind=TESTS, layers=())
+                self._forkserver = ForkServer(EPOCH, kind=TESTS, layers=())
             with fresh_folder() as folder, self._forkserver.host_process(folder) as host:
                 return _TestLink(host, item).conduct(order, patience)
-        except (InputError, GraderError) as error:
+        except EngineError as error:
             return [_failure(item, f"virtual_time: {error}")]
 
 
@@ -95,7 +95,7 @@ class _TestLink(Channel):
             stacks = "\n".join(filter(_is_theirs, self.stacks().splitlines()))
             problem = f"the test still runs after {patience:g} s of real time\n\n{stacks}"
         except HostDied:
-            problem = died_text(self._host.wait(GRACE)).replace("the node's", "the test's")
+            problem = f"the test's process ended by itself ({status_text(self._host.wait(GRACE))})"
         except HostForged as error:
             problem = f"the test's process said what it can't: {error}"
         said = self.log()
@@ -174,7 +174,7 @@ def _base_of_temporary_folders(config: pytest.Config) -> str | None:
 def _seconds(limit: float = LIMIT, patience: float = PATIENCE) -> tuple[float, float]:
     for name, value in (("limit", limit), ("patience", patience)):
         if not 0 < value < 1e9:
-            raise InputError(f"@pytest.mark.virtual_time({name}={value}): expected seconds")
+            raise EngineError(f"@pytest.mark.virtual_time({name}={value}): expected seconds")
     return limit, patience
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from grader.course.submission import Submission
-from grader.link.exchange import HostForged
+from grader.link.exchange import HostForged, status_text
 from grader.link.log import LogLine
 from grader.link.workplace import Excess
 from grader.models.service import TooManyQuestions
@@ -66,13 +66,6 @@ def misbehaviour(error: HostForged | Flood | Excess | TooManyQuestions) -> tuple
 def died_text(status: str) -> str:
     """Say how a process ended that said nothing, by its exit status."""
     return f"the node's process ended by itself ({status_text(status)})"
-
-
-def status_text(status: str) -> str:
-    """Put an exit status into words ("-9": killed by signal 9)."""
-    if status.startswith("-"):
-        return f"signal {status[1:]}"
-    return f"exit code {status or 'unknown'}"
 
 
 def without_folder(outcome: Outcome, folder: Path) -> Outcome:

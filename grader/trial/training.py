@@ -25,7 +25,7 @@ from grader.errors import GraderError
 from grader.host.frames import Script
 from grader.hosted.models import LOAD, PREDICT, Loaded, LoadModels, Predict, Predicted
 from grader.link import real_clock
-from grader.link.exchange import HostDied, HostForged, HostHung
+from grader.link.exchange import HostDied, HostForged, HostHung, status_text
 from grader.link.launcher import Launcher
 from grader.link.link import Link
 from grader.link.log import LogLine
@@ -43,7 +43,7 @@ from grader.recording import (
     ScriptRun,
     Training,
 )
-from grader.trial.endings import GRACE, line_without_folder, not_run, status_text, without_folder
+from grader.trial.endings import GRACE, line_without_folder, not_run, without_folder
 from sim.scenario import Scenario, TrainingSpec
 from sim.simulation import Simulation
 

@@ -4,28 +4,29 @@ from __future__ import annotations
 
 import pytest
 
-from grader.errors import InputError
+from grader.launchers import why_no_class
 from grader.link import choice
+from grader.link.errors import NoRos
 
 
 def no_ros() -> None:
-    raise InputError("ROS 2 Jazzy was not found")
+    raise NoRos("ROS 2 Jazzy was not found")
 
 
 def test_linux_with_ros_takes_the_real_one() -> None:
     assert choice.why_not_linux() == ""
-    assert choice.why_no_class(trust=False) == ""
+    assert why_no_class(trust=False) == ""
 
 
 def test_without_ros_a_class_needs_trust(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(choice, "find_ros", no_ros)
     assert choice.why_not_linux() == "ROS 2 Jazzy was not found"
-    refusal = choice.why_no_class(trust=False)
+    refusal = why_no_class(trust=False)
     assert "for practice only" in refusal and "--trust" in refusal
-    assert choice.why_no_class(trust=True) == ""
+    assert why_no_class(trust=True) == ""
 
 
 def test_without_fork_no_class_is_graded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delattr(choice.os, "fork")
     assert "is for Linux" in choice.why_not_linux()
-    assert choice.why_no_class(trust=True).startswith("course autograde needs Linux")
+    assert why_no_class(trust=True).startswith("course autograde needs Linux")

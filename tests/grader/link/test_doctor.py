@@ -16,6 +16,7 @@ from grader.host.frames import Hello
 from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, USER
 from grader.link import doctor
 from grader.link.doctor import Diagnosis, Layer, diagnose, foreign_code_problem, gaps
+from grader.report import diagnosis
 from grader.report.diagnosis import render_diagnosis
 
 
@@ -98,14 +99,14 @@ def machine(problem: str = "", layers: tuple[str, ...] = LAYERS) -> Diagnosis:
         ros="wheels",
         problem=problem,
         layers=tuple(Layer(name, name in layers) for name in LAYERS),
-        extras={"clusters": ("distributed",), "models": ()},
     )
 
 
-def test_the_page_names_what_is_missing() -> None:
+def test_the_page_names_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(diagnosis, "EXTRAS", {"clusters": ("no-such-thing",), "models": ()})
     said = said_of(machine(layers=(LIMITS,)))
 
-    assert re.search(r"missing +clusters: distributed", said)
+    assert re.search(r"missing +clusters: no-such-thing", said)
     assert "needs Landlock: Linux 5.13 or later" in said
     assert "Your own code only" in said and "--trust" in said
     assert "Other people's code may be graded here." in said_of(machine())

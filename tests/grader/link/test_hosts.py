@@ -252,11 +252,10 @@ from pathlib import Path
 from node_runs import PREAMBLE, short
 from grader.host.sandbox.layers import CALLS, LAYERS
 from grader.link import hosts
-from grader.link.hosts import ForkServer
+from grader.launchers import fork_server
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.trial.virtual_time import run_trial
-from sim.messages import EPOCH_NS
 with tempfile.TemporaryDirectory() as folder, fork_server() as forkserver:
     file = Path(folder) / 'echo.py'
     file.write_text(PREAMBLE + '''

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.errors import InputError
+from grader.link.errors import NoRos
 from grader.link.ros_environment import find_ros
 
 VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
@@ -123,7 +123,7 @@ def test_without_ros_it_says_how_to_install_it(
             environ = {"PYTHONPATH": apt["PYTHONPATH"]}
         case "half sourced":
             environ = {"AMENT_PREFIX_PATH": apt["AMENT_PREFIX_PATH"], "PYTHONPATH": ""}
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(NoRos) as caught:
         find_ros(environ, [folder])
 
     said = str(caught.value)
@@ -145,5 +145,5 @@ def test_another_rclpy_is_not_taken_for_jazzys(tmp_path: Path, venv: Path) -> No
     sourced = {"AMENT_PREFIX_PATH": str(root), "PYTHONPATH": str(packages)}
 
     assert "wheels" in find_ros(sourced, [venv]).kind
-    with pytest.raises(InputError, match=r"kilted has rclpy 9\.1, and this is made for 7\.1"):
+    with pytest.raises(NoRos, match=r"kilted has rclpy 9\.1, and this is made for 7\.1"):
         find_ros(sourced, [])

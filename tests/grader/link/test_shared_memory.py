@@ -70,9 +70,7 @@ if os.stat('/dev/shm').st_dev == {device}:
 from node_runs import PREAMBLE, short
 from grader.course.submission import Submission
 from grader.launchers import fork_server
-from grader.link.hosts import ForkServer
 from grader.trial.virtual_time import run_trial
-from sim.messages import EPOCH_NS
 PORT = Path('/dev/shm/fastrtps_port7411')
 LEAVE = f'''
 with open('{{PORT}}', 'wb') as file:

