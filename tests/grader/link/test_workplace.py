@@ -215,6 +215,7 @@ from grader.link.link import Link
 from grader.link.pipes import Pipes
 from grader.trial.staging import stage
 from grader.course.submission import Submission
+from sim.messages import EPOCH_NS
 from sim.scenario_files import load_scenario
 
 with (
