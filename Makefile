@@ -62,8 +62,8 @@ prove: $(VENV)/.dev ## grade all solutions, variants and mutants; print which ch
 RCLPY ?=
 conform: $(VENV)/.dev ## is virtual time like time, and portable like real? RCLPY=…
 	$(PIP) install --constraint constraints.txt 'ros-jazzy-test-msgs==2.0.3'
-	$(BIN)/python -m grader.authoring.conform cpython
-	$(if $(RCLPY),$(BIN)/python -m grader.authoring.conform rclpy $(RCLPY))
+	$(BIN)/python -m rclpy_virtual_time.conform cpython
+	$(if $(RCLPY),$(BIN)/python -m rclpy_virtual_time.conform rclpy $(RCLPY))
 	$(BIN)/python -m grader.authoring.digests build/conform/real.json --all
 	$(BIN)/python -m grader.authoring.digests build/conform/real.json --all --portable --compare
 	COURSE_PORTABLE=full $(PYTEST) tests/portable

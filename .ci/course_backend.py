@@ -37,7 +37,7 @@ __all__ = [
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = "rclpy_agents_course"
-FOLDERS = ("grader", "sim", "exercises", "rclpy_portable")
+FOLDERS = ("grader", "sim", "exercises", "rclpy_virtual_time", "rclpy_portable")
 FILES = ("constraints.txt",)
 LEFT_OUT = shutil.ignore_patterns(
     "__pycache__", "build", "*.pyc", ".unpacking-*", "resource",
@@ -124,6 +124,7 @@ def project(about: dict[str, Any]) -> str:
         f'course = "{PACKAGE}:main"',
         "[project.entry-points.pytest11]",
         f'course = "{PACKAGE}.pytest_plugin"',
+        f'rclpy_virtual_time = "{PACKAGE}.engine_plugin"',
         "[tool.setuptools]",
         f'packages = ["{PACKAGE}"]',
         "[tool.setuptools.package-data]",

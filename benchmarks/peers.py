@@ -30,8 +30,8 @@ from grader.classroom.work import Unit, grade_unit
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.launchers import fork_server
-from grader.link.hosts import ForkServer
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.caster import Caster, static_faces
 from sim.layout import Layout
 from sim.lidar import PROFILES

@@ -8,15 +8,15 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from grader.errors import InputError
-from grader.link import choice
-from grader.link.errors import NoRos
-from grader.link.pool import ForkServerPool
-from grader.link.practice import PracticeServer
-from grader.link.ros_environment import RosEnvironment
+from rclpy_virtual_time.link import choice
+from rclpy_virtual_time.link.errors import NoRos
+from rclpy_virtual_time.link.pool import ForkServerPool
+from rclpy_virtual_time.link.practice import PracticeServer
+from rclpy_virtual_time.link.ros_environment import RosEnvironment
 from sim.messages import EPOCH_NS
 
 if TYPE_CHECKING:
-    from grader.link.hosts import ForkServer
+    from rclpy_virtual_time.link.hosts import ForkServer
 
 ADVICE = "grader.advice:Advisor"
 HOSTED = (  # what hosts of nodes need of the course; they can't read its files
@@ -43,7 +43,7 @@ def fork_server(
     InputError
         There is no ROS 2.
     """
-    from grader.link.hosts import ForkServer  # noqa: PLC0415
+    from rclpy_virtual_time.link.hosts import ForkServer  # noqa: PLC0415
 
     with _asking_for_ros():
         return ForkServer(EPOCH_NS, ros, libraries=(*HOSTED, *libraries), **COURSE, **options)

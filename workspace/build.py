@@ -53,6 +53,8 @@ COURSE = re.compile(
     r"|grader/(?!authoring|classroom|drive/(search/|mishaps)|lms"
     r"|nbgrader|notebook|testing|models/expert|trial/real_time|course/(skeletons|begin|generated)"
     r"|grading/(attempts|best|handed_in|withheld)|cli/(batch|waiting)"
+    r")"
+    r"|rclpy_virtual_time/(?!testing|conform"
     r"|link/(doctor|domains|host_process|hosts|locks|pipes|pool|run_queue|shared_memory)\."
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
@@ -61,7 +63,7 @@ FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")
 SOURCES = r"^rclpy_portable/_ros/rclpy/|^grader/exercises/|^grader/hosted/supplied/"
 # What a node may import: numpy, PyYAML, ROS, and what stands in for more of ROS ...
 OF_NODES = re.compile(
-    r"(rclpy_portable/_ros/|grader/host/stand_ins/|(?=numpy/|yaml/))(?P<module>\w+)/"
+    r"(rclpy_portable/_ros/|rclpy_virtual_time/host/stand_ins/|(?=numpy/|yaml/))(?P<module>\w+)/"
 )
 # ... but nothing that reads a file of another program, or starts one
 NOT_OF_NODES = {"pickle", "socket", "subprocess", "multiprocessing"}
@@ -255,7 +257,7 @@ def _drives(files: Sequence[str]) -> dict[str, Any]:
 def _course() -> dict[str, bytes]:
     unpacking.folder(print)
     found = {}
-    for room in ("exercises", "grader", "rclpy_portable", "sim", "workspace"):
+    for room in ("exercises", "grader", "rclpy_virtual_time", "rclpy_portable", "sim", "workspace"):
         for path in sorted((ROOT / room).rglob("*")):
             name = path.relative_to(ROOT).as_posix()
             if path.is_file() and COURSE.match(name) and FILES.search(name):

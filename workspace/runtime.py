@@ -28,8 +28,8 @@ from workspace.stacks import Browser, Gate, Stacks
 if TYPE_CHECKING:
     from grader.course.submission import Submission
     from grader.grading.grading import Grading
-    from grader.link.in_process import InProcess
     from grader.recording import Recording
+    from rclpy_virtual_time.link.in_process import InProcess
 
 Lines = list[tuple[float, str, int]]  # [s] of each message, and from which file and line it came
 
@@ -70,12 +70,12 @@ class Runtime:
 
     def begin(self) -> None:
         """Import all that a trial, a judge or a replay needs; put virtual time under Python."""
-        from grader.host import imports
+        from rclpy_virtual_time.host import imports
 
         imports.host.watch()
         if self._stacks:
             self._stacks.install()
-            from grader.host.virtual import kernel
+            from rclpy_virtual_time.host.virtual import kernel
 
             kernel.real_allocate_lock = partial(Gate, self._stacks)  # type: ignore[assignment]
         import _time_machine
@@ -97,8 +97,8 @@ class Runtime:
         import grader.report.page
         import grader.trial.virtual_time  # noqa: F401
         from grader.launchers import ADVICE
-        from grader.link.in_process import InProcess
         from grader.report.terminal import Console
+        from rclpy_virtual_time.link.in_process import InProcess
         from sim.messages import EPOCH_NS, typestore
 
         Console(file=io.StringIO()).print("[bold]…[/]")  # what it imports at the first line
@@ -135,9 +135,9 @@ class Runtime:
         `course drive` prints of it. `{"lead": …}` in the answer: the same again in a fresh copy,
         with this lead and what has been kept.
         """
-        from grader.link.in_process import StartEarlier
         from grader.trial.seeds import mixed_seed
         from grader.trial.virtual_time import Limits, run_trial
+        from rclpy_virtual_time.link.in_process import StartEarlier
         from sim.scenario_files import load_scenario
 
         wanted = json.loads(order)
@@ -181,8 +181,8 @@ class Runtime:
         """
         from grader import cli, drive
         from grader.cli.drive import Elsewhere
-        from grader.link.in_process import StartEarlier
         from grader.trial.virtual_time import Limits
+        from rclpy_virtual_time.link.in_process import StartEarlier
 
         wanted, made, printed = json.loads(order), [], io.StringIO()
         file = Path(wanted["file"])

@@ -18,7 +18,7 @@ from collections.abc import Callable
 from types import FrameType
 from typing import Any, NoReturn, Protocol
 
-from grader.host.imports import host
+from rclpy_virtual_time.host.imports import host
 
 
 class Browser(Protocol):

@@ -1,4 +1,4 @@
-"""The fixtures `drive` and `virtual_time` for students' own tests: grader/testing/plugin.py."""
+"""The fixture `drive` for students' own tests: grader/testing/plugin.py."""
 
 from grader.testing.plugin import *  # noqa: F403
 

@@ -36,7 +36,7 @@ from typing import Any
 from grader.advice import hints
 from grader.advice.message_words import field_of
 from grader.advice.plain_words import plain_words
-from grader.host.wire import steady
+from rclpy_virtual_time.host.wire import steady
 
 MAX_FRAMES = 4
 MAX_VALUES = 6  # of a frame

@@ -18,8 +18,8 @@ from pathlib import PurePath
 from typing import Any
 
 from grader.advice.plain_words import INSTEAD
-from grader.host import imports
-from grader.host.sandbox.amounts import (
+from rclpy_virtual_time.host import imports
+from rclpy_virtual_time.host.sandbox.amounts import (
     MAX_FOLDER,
     MAX_FOLDER_FILES,
     MAX_MEMORY,

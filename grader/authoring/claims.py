@@ -21,8 +21,8 @@ from grader.course.exercises import Exercise
 from grader.course.installed import why_not
 from grader.course.submission import Submission, find_submission
 from grader.grading.grading import Grading, grade_submission
-from grader.link.launcher import Launcher
 from grader.trial.kept import KeptRecordings
+from rclpy_virtual_time.link.launcher import Launcher
 
 
 @dataclass(frozen=True)

@@ -24,9 +24,9 @@ from grader.authoring.claims import Claim, claims, grade_claim
 from grader.course.exercises import all_exercises, find_exercise
 from grader.errors import GraderError
 from grader.launchers import fork_server
-from grader.link.ros_environment import find_ros, portable_ros
 from grader.recording import Recording
 from grader.recording.training import ModelAnswers
+from rclpy_virtual_time.link.ros_environment import find_ros, portable_ros
 
 Digests = dict[str, dict[str, str]]  # claim → scenario → digest; and its verdict
 VERDICT = "verdict"  # in the place of a scenario's name

@@ -11,11 +11,11 @@ from functools import cache, partial
 
 from grader.authoring.claims import Claim, grade_claim
 from grader.grading.grading import Grading
-from grader.host.sandbox.kernel_filters import die_with_parent
 from grader.launchers import launcher_pool
-from grader.link.interpreter import own_processes
-from grader.link.pool import ForkServerPool
 from grader.trial.kept import KeptRecordings
+from rclpy_virtual_time.host.sandbox.kernel_filters import die_with_parent
+from rclpy_virtual_time.link.interpreter import own_processes
+from rclpy_virtual_time.link.pool import ForkServerPool
 
 # Claims of a process; then others take over, and the memory is free. (The executor's own
 # max_tasks_per_child deadlocks in CPython 3.11: python/cpython#115634.)

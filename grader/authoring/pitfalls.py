@@ -31,11 +31,11 @@ from grader.course.submission import find_submission
 from grader.errors import GraderError, InputError
 from grader.grading.grading import Grading, grade_submission
 from grader.launchers import fork_server
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.report.page import GENERATED_BY, page_html, replay_payload
 from grader.report.terminal import printed
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario_files import load_scenario
 
 FOLDER = ROOT / "lessons" / "pitfalls"

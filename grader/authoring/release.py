@@ -31,6 +31,7 @@ KEPT = {
     "sim": (".py", ".toml", *PACKAGE),
     "grader": (".py", ".toml", ".xml", ".js", ".css", ".html", ".npz"),
     "exercises": (".py", ".md", ".toml", *PACKAGE),
+    "rclpy_virtual_time": (".py", ".xml"),
     "rclpy_portable": (".py",),
     LESSONS: (".md", ".png", ".svg"),
 }

@@ -19,9 +19,9 @@ from grader.classroom.amendments.log import Entry, active
 from grader.classroom.amendments.people import nearest
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
-from grader.link.cell import Refused, read_in_cell
 from grader.lms.clean import visible
 from grader.lms.told import number, span, words
+from rclpy_virtual_time.link.cell import Refused, read_in_cell
 
 if TYPE_CHECKING:
     from grader.classroom.marking import Marking

@@ -33,14 +33,14 @@ from grader.course.submission import MAX_SIZE, read_regular_file
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import layers_here
 from grader.grading.trying import why_none_runs
-from grader.host.sandbox.layers import FILES, USER
-from grader.link.cell import CLASS, Refused, read_in_cell
-from grader.link.foreign import echo
-from grader.link.scratch import fresh_folder
 from grader.lms.clean import one_line
 from grader.lms.gradescope import SEEN, results_json
 from grader.lms.names import student_id
 from grader.report.page import json_text
+from rclpy_virtual_time.host.sandbox.layers import FILES, USER
+from rclpy_virtual_time.link.cell import CLASS, Refused, read_in_cell
+from rclpy_virtual_time.link.foreign import echo
+from rclpy_virtual_time.link.scratch import fresh_folder
 
 SETTINGS = "autograder.json"  # written by grader.authoring.gradescope
 SECRET = "course.secret"

@@ -24,7 +24,7 @@ from grader.classroom.results.write import Written
 from grader.classroom.row import StoredResult
 from grader.classroom.store import Store
 from grader.errors import naming_a_full_disk
-from grader.link.scratch import sweep
+from rclpy_virtual_time.link.scratch import sweep
 
 NO_SPACE = (
     "the disk is full, so the batch has stopped. Free some space where {out} is, and in "

@@ -13,10 +13,11 @@ from grader.grading.grading import versions
 
 SUFFIXES = {".py", ".toml", ".xml"}
 HASHED = 32  # [characters] of each hash
-# packages of the grader on which a verdict depends; the others only organise or show
+# packages on which a verdict depends; the others only organise or show
 VERDICT = (
-    "checks", "course", "exercises", "grading", "host", "link", "models", "recording",
-    "trial",
+    "grader/advice", "grader/checks", "grader/colcon", "grader/course", "grader/exercises",
+    "grader/grading", "grader/hosted", "grader/models", "grader/recording", "grader/trial",
+    "rclpy_virtual_time/host", "rclpy_virtual_time/link",
 )  # fmt: skip
 
 
@@ -42,7 +43,7 @@ def submission_hash(
 def _sources(exercise: Exercise) -> Iterator[Path]:
     """Yield what a verdict depends on; a new exercise or world changes no other exercise's."""
     sim = ROOT / "sim"
-    rooms = [sim, *(ROOT / "grader" / room for room in VERDICT)]
+    rooms = [sim, *(ROOT / room for room in VERDICT)]
     files = {path for room in rooms for path in room.rglob("*") if path.suffix in SUFFIXES}
     others = [folder for folder in JUDGE.iterdir() if folder.is_dir() and folder != exercise.judge]
     others += [sim / each for each in ("live", "launch", "scenarios", "worlds")]

@@ -26,7 +26,7 @@ from typing import Any
 from grader.classroom.work import Unit, UnitResult, grade_unit
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import isolation_problem
-from grader.link.interpreter import own_processes
+from rclpy_virtual_time.link.interpreter import own_processes
 
 DASK_RETRIES = 2
 MAX_UNITS = 100  # of a local worker, which is then replaced, so that no leak adds up

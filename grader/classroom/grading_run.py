@@ -19,7 +19,7 @@ from grader.classroom.row import GRADED, HELD, STALLS, TWICE, StoredResult
 from grader.classroom.store import Key, Store
 from grader.classroom.work import Unit, UnitResult, stalled, unjudged
 from grader.errors import DiskFull, InputError, is_disk_full
-from grader.link.scratch import has_space
+from rclpy_virtual_time.link.scratch import has_space
 
 MAX_DEATHS = 3  # of a unit's workers; then it is left to a person
 MAX_UNSURE = 2  # gradings that could not judge

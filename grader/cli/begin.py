@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from grader.link.foreign import echo
+from rclpy_virtual_time.link.foreign import echo
 
 STARTS = """\b
 Examples:

@@ -8,7 +8,7 @@ import click
 
 from grader.cli.results import FULL, check_writable
 from grader.errors import InputError
-from grader.link.foreign import echo
+from rclpy_virtual_time.link.foreign import echo
 
 EXAMPLES = """\b
 Examples:

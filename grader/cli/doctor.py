@@ -14,8 +14,8 @@ def doctor() -> int:
     Exit code 0: nodes run here, and other people's code may be graded. 1: only your own. 2: no node
     runs here.
     """
-    from grader.link.choice import why_not_linux  # noqa: PLC0415
     from grader.report.terminal import Console  # noqa: PLC0415
+    from rclpy_virtual_time.link.choice import why_not_linux  # noqa: PLC0415
 
     reason = why_not_linux()
     if reason:
@@ -24,8 +24,8 @@ def doctor() -> int:
         render_practice(reason, Console())
         return 1
     from grader.grading.trying import imports_that_fail, why_none_runs  # noqa: PLC0415
-    from grader.link.doctor import diagnose  # noqa: PLC0415
     from grader.report.diagnosis import render_diagnosis  # noqa: PLC0415
+    from rclpy_virtual_time.link.doctor import diagnose  # noqa: PLC0415
 
     found = diagnose()
     if not found.problem:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from grader.cli.results import FULL
-from grader.link.foreign import echo
+from rclpy_virtual_time.link.foreign import echo
 
 EXAMPLES = """\b
 Examples:

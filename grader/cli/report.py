@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from grader.cli.results import FULL, JSON_STDOUT
-from grader.link.foreign import write
+from rclpy_virtual_time.link.foreign import write
 
 if TYPE_CHECKING:
     from grader.classroom.amendments.log import Entry

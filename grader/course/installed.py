@@ -7,7 +7,7 @@ import platform
 from collections.abc import Iterable
 
 from grader.errors import GraderError
-from grader.link import system
+from rclpy_virtual_time.link import system
 
 COURSE = "rclpy-agents-course"
 OPTIONAL = {  # module: its usual name, and its distribution

@@ -12,14 +12,14 @@ import msgspec
 
 from grader.course.submission import Submission, file_beside, read_regular_file
 from grader.errors import InputError
-from grader.host.frames import MAX_KEYS, MAX_STDIN
-from grader.link.launcher import Launcher
 from grader.models.files import OWN
 from grader.recording import Recording
 from grader.trial.packages import unpacked
 from grader.trial.seeds import mixed_seed
 from grader.trial.training import MAX_FILE
 from grader.trial.virtual_time import Limits, run_trial
+from rclpy_virtual_time.host.frames import MAX_KEYS, MAX_STDIN
+from rclpy_virtual_time.link.launcher import Launcher
 from sim.lidar import PROFILES
 from sim.scenario import Scenario, ScriptEvent, Transforms
 from sim.scenario_files import load_scenario

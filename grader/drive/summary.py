@@ -10,11 +10,11 @@ from rich.markup import escape
 from rich.padding import Padding
 
 from grader.drive.topics import topic_lines
-from grader.host.frames import NO_NODE
 from grader.recording import Recording, account_of, ended_of, growth_of
 from grader.recording.deaths import told_first
 from grader.recording.words import told_lines
 from grader.report.terminal import Console
+from rclpy_virtual_time.host.frames import NO_NODE
 from sim.messages import CMD_VEL_TOPIC
 from sim.simulation import Truth
 

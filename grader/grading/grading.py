@@ -33,12 +33,12 @@ from grader.grading.plugin import (
     CheckResult,
 )
 from grader.grading.praise import praise_of, remarks_on
-from grader.link.launcher import Launcher
 from grader.recording import Recording
 from grader.trial.kept import KeptRecordings
 from grader.trial.packages import unpacked
 from grader.trial.progress import OnProgress, ignore
 from grader.trial.trials import NodeTrials, TrialFault, Trials
+from rclpy_virtual_time.link.launcher import Launcher
 
 ATTEMPTS = 2
 SEE_CAUSE = "See the cause."

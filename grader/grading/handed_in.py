@@ -18,8 +18,8 @@ from grader.course.submission import find_submission
 from grader.errors import GraderError, InputError
 from grader.grading.grading import grade_submission
 from grader.launchers import launcher_pool
-from grader.link.doctor import foreign_code_problem
-from grader.link.scratch import fresh_folder
+from rclpy_virtual_time.link.doctor import foreign_code_problem
+from rclpy_virtual_time.link.scratch import fresh_folder
 
 MAX_REASON = 600  # [characters]
 

@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from grader.host.frames import Note
 from grader.recording import Recording, views
+from rclpy_virtual_time.host.frames import Note
 from sim.clearance import FARTHEST
 from sim.messages import CMD_VEL_TOPIC
 

@@ -8,13 +8,13 @@ from grader.course import installed
 from grader.course.exercises import all_exercises
 from grader.errors import GraderError
 from grader.grading.handed_in import grade_files
-from grader.host.frames import Ended, Script
 from grader.launchers import fork_server
-from grader.link.exchange import HostDied, HostForged, HostHung
-from grader.link.hosts import ForkServer
-from grader.link.link import Link
-from grader.link.scratch import fresh_folder
-from grader.link.workplace import Excess
+from rclpy_virtual_time.host.frames import Ended, Script
+from rclpy_virtual_time.link.exchange import HostDied, HostForged, HostHung
+from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time.link.link import Link
+from rclpy_virtual_time.link.scratch import fresh_folder
+from rclpy_virtual_time.link.workplace import Excess
 
 DIED = "the node died"  # a skeleton doesn't, unless ROS can't start here
 IMPORT_LIMIT = 120.0  # [s] from a cold disk

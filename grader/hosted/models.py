@@ -13,8 +13,8 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 
-from grader.host.frames import Name, Text
-from grader.host.wire import MAX_LINE, sendable
+from rclpy_virtual_time.host.frames import Name, Text
+from rclpy_virtual_time.host.wire import MAX_LINE, sendable
 
 LOAD, PREDICT = "grader.hosted.models:load", "grader.hosted.models:predict"  # the tasks
 FEATURES = 5

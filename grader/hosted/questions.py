@@ -6,8 +6,8 @@ from typing import Annotated
 
 import msgspec
 
-from grader.host.desk import desk
-from grader.host.frames import Name, Nanoseconds, Text
+from rclpy_virtual_time.host.desk import desk
+from rclpy_virtual_time.host.frames import Name, Nanoseconds, Text
 
 MAX_ROWS = 1_000  # of features in one question
 MAX_COLUMNS = 64  # features in a row

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from grader.link.foreign import ESCAPES, readable
+from rclpy_virtual_time.link.foreign import ESCAPES, readable
 
 MAX_NAME = 120  # [characters] of a name on a page
 

@@ -18,12 +18,12 @@ from typing import IO, Any
 import yaml
 
 from grader.errors import InputError
-from grader.link.cell import CLASS, Refused, read_in_cell
 from grader.lms.book import Mark, Task
 from grader.lms.clean import one_line, visible
 from grader.lms.platform import Entry, Platform, Read, SetAside, Who
 from grader.lms.told import LONGEST, microseconds
 from grader.report.facts import UNJUDGED
+from rclpy_virtual_time.link.cell import CLASS, Refused, read_in_cell
 
 METADATA = "submission_metadata.yml"
 MAX_METADATA = 64 * 1024 * 1024  # [bytes]: it holds the results of every submission

@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import IO
 
 from grader.errors import InputError
-from grader.link.cell import CLASS, Broken, Refused, read_in_cell
 from grader.lms import PLATFORMS
 from grader.lms.moodle import columns
 from grader.lms.people import (
@@ -37,6 +36,7 @@ from grader.lms.people import (
     trailing,
     unquoted,
 )
+from rclpy_virtual_time.link.cell import CLASS, Broken, Refused, read_in_cell
 
 MAX_SHEET = 20 * 1024 * 1024  # [bytes]
 MAX_ROWS = 20_000

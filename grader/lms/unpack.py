@@ -1,7 +1,7 @@
 """Unpack a zip or a tar that somebody handed in, and nothing outside of the folder given.
 
-It happens in a process with limits (`grader/link/cell.py`): a tar's header, for one, can take
-tarfile hours (CVE-2024-6232).
+It happens in a process with limits (`rclpy_virtual_time/link/cell.py`): a tar's header, for one,
+can take tarfile hours (CVE-2024-6232).
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
 from grader.errors import is_disk_full
-from grader.link.cell import CLASS, ONE, Refused, read_in_cell
 from grader.lms.names import may_enter
+from rclpy_virtual_time.link.cell import CLASS, ONE, Refused, read_in_cell
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
 # Recognised and not unpacked. A 7z's header chooses how much memory its decoder takes, up to 4 GiB,

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from grader.errors import GraderError
-from grader.link.settings import LEARNING, NO_GPU
+from rclpy_virtual_time.link.settings import LEARNING, NO_GPU
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND = (sys.executable, "-s", "-B", "-X", "utf8", "-m", "grader.models.formats")

@@ -16,15 +16,15 @@ import msgspec
 import numpy as np
 from msgspec.structs import replace
 
-from grader.host import frames
-from grader.host.frames import MAX_QUESTIONS
 from grader.hosted.questions import Question, Told
 from grader.hosted.supplied.kept import WRONG_SHAPE
-from grader.link.exchange import decoded
 from grader.models.arrived import Arrived
 from grader.models.files import is_kept, probe
 from grader.models.partners import SERVICE, TURN, Partners
 from grader.recording.inferences import Inference
+from rclpy_virtual_time.host import frames
+from rclpy_virtual_time.host.frames import MAX_QUESTIONS
+from rclpy_virtual_time.link.exchange import decoded
 from sim.faults import sensor_rng
 from sim.messages import Message
 from sim.scenario import Scenario

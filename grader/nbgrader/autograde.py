@@ -22,7 +22,6 @@ from grader.course.exercises import find_exercise
 from grader.course.students import read_secret, student_key
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import isolation_problem
-from grader.link.cell import Refused
 from grader.nbgrader.cells import Wanted, last_definitions, made_files, modules, wanted
 from grader.nbgrader.gradebook import Place, trusted_cells, write_comment, write_mark
 from grader.nbgrader.intake import read_cells
@@ -31,6 +30,7 @@ from grader.nbgrader.late import look_at_due_date
 from grader.nbgrader.marks import Mark, mark_of
 from grader.nbgrader.restore import ABOUT, Trusted, restored, unreadable
 from grader.nbgrader.table import output_of
+from rclpy_virtual_time.link.cell import Refused
 
 FILE = "course_file"  # in the resources: path of the submitted notebook
 NO_RESPONSE = "No response."  # nbgrader's own words

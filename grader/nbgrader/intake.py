@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from grader.course.submission import MAX_SIZE
-from grader.link.cell import MIB, Limits, Refused, read_in_cell
+from rclpy_virtual_time.link.cell import MIB, Limits, Refused, read_in_cell
 
 MAX_NOTEBOOK = 50 * 1024 * 1024  # [bytes], pictures and outputs included
 MAX_CELLS = 1_000

@@ -4,9 +4,9 @@ nbgrader's templates load MathJax from a CDN whatever `HTMLExporter.mathjax_url`
 call their macro without it. In `templates/` that macro is empty, and formulas become MathML, which
 every browser renders. Tables in lists, which nbconvert leaves as typed, become tables.
 
-Markdown and code are rendered in a process with limits (`grader/link/cell.py`), and what comes
-out is sanitised there by nh3: no scripts, forms or styles, links to the web only, and no pictures
-but those that were pasted. What takes too long is shown as it was typed.
+Markdown and code are rendered in a process with limits (`rclpy_virtual_time/link/cell.py`), and
+what comes out is sanitised there by nh3: no scripts, forms or styles, links to the web only, and no
+pictures but those that were pasted. What takes too long is shown as it was typed.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from nbconvert.filters import Highlight2HTML
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 from pygments.token import STANDARD_TYPES
 
-from grader.link.cell import MIB, Limits, Refused, read_in_cell
 from grader.nbgrader.intake import PICTURES
+from rclpy_virtual_time.link.cell import MIB, Limits, Refused, read_in_cell
 
 TEMPLATES = Path(__file__).parent / "templates"
 MAX_FORMULA = 2_000  # [characters]; a longer one stays as it was typed

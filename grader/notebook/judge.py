@@ -34,8 +34,6 @@ from grader.drive import (
 from grader.errors import GraderError, InputError
 from grader.grading.grading import grade_submission
 from grader.launchers import launcher_pool
-from grader.link.launcher import Launcher
-from grader.link.pool import ForkServerPool
 from grader.notebook.answers import graded
 from grader.notebook.orders import (
     Answer,
@@ -50,6 +48,8 @@ from grader.notebook.orders import (
     Warm,
 )
 from grader.report.page import page_html, page_payload
+from rclpy_virtual_time.link.launcher import Launcher
+from rclpy_virtual_time.link.pool import ForkServerPool
 
 GRACE = 5.0  # [s] for an interrupted order to clean up
 

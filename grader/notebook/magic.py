@@ -20,7 +20,17 @@ from grader.notebook.show import show, tell
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
 
-OURS = ("grader", "sim", "rclpy", "numpy", "IPython", "ipykernel", "matplotlib", "sklearn")
+OURS = (
+    "grader",
+    "rclpy_virtual_time",
+    "sim",
+    "rclpy",
+    "numpy",
+    "IPython",
+    "ipykernel",
+    "matplotlib",
+    "sklearn",
+)
 
 
 def register(shell: InteractiveShell) -> None:

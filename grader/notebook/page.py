@@ -17,14 +17,14 @@ from typing import Any
 from grader.course.exercises import Exercise, find_exercise
 from grader.errors import GraderError, InputError
 from grader.grading.grading import grade
-from grader.link.practice import PRACTICE
-from grader.link.settings import IN_BROWSER
 from grader.notebook.answers import graded
 from grader.notebook.orders import Answer, Drive, Driven, Grade, Graded, Order, Problem, Progressed
 from grader.notebook.show import tell
 from grader.recording import Recording
 from grader.trial.page import PageTrials
 from grader.trial.progress import TRIAL, OnProgress, Step
+from rclpy_virtual_time.link.practice import PRACTICE
+from rclpy_virtual_time.link.settings import IN_BROWSER
 
 FOLDER = "/home/reader"  # of the node, in the worker
 PATIENCE = 30.0  # [s] without a word of a trial

@@ -18,11 +18,11 @@ from importlib import metadata
 from pathlib import Path
 
 from grader.course.installed import COURSE, never_run
-from grader.link import system
-from grader.link.errors import NoRos
-from grader.link.ros_environment import PORTABLE, RosEnvironment, find_ros, portable_ros
 from grader.notebook.program import run
 from grader.notebook.show import Progress
+from rclpy_virtual_time.link import system
+from rclpy_virtual_time.link.errors import NoRos
+from rclpy_virtual_time.link.ros_environment import PORTABLE, RosEnvironment, find_ros, portable_ros
 
 ROOT = Path(__file__).resolve().parents[2]
 CONSTRAINTS = ROOT / "constraints.txt"
@@ -56,7 +56,7 @@ def prepare_kernel() -> None:
     said = f"Ready: {'installed ' + ', '.join(wanted) if wanted else 'everything is installed'}"
     print(f"{said}.", flush=True)
     if ros.kind == PORTABLE:
-        from grader.link.practice import PRACTICE  # noqa: PLC0415  (needs what is installed now)
+        from rclpy_virtual_time.link.practice import PRACTICE  # noqa: PLC0415  (needs what is installed now)
 
         said = f"{PRACTICE[0].upper()}{PRACTICE[1:]}. {never_run()}"
         print(said.strip(), flush=True)

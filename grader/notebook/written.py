@@ -7,12 +7,12 @@ import time
 from pathlib import Path
 
 from grader.course.submission import MAX_SIZE, read_regular_file
-from grader.link.cell import Refused
-from grader.link.scratch import open_regular_file
 from grader.nbgrader.cells import last_definitions
 from grader.nbgrader.intake import cells_in
 from grader.notebook.cells import MAGIC
 from grader.notebook.show import shell
+from rclpy_virtual_time.link.cell import Refused
+from rclpy_virtual_time.link.scratch import open_regular_file
 
 MINUTE, HOUR, DAY = 60, 3600, 86_400  # [s]
 

@@ -22,9 +22,9 @@ import msgspec
 import numpy as np
 
 from grader.errors import GraderError, InputError
-from grader.link.cell import MIB, Limits, read_in_cell
-from grader.link.log import LogLine
 from grader.recording import Compute, Endpoint, Inference, Live, Outcome, Recording, Training
+from rclpy_virtual_time.link.cell import MIB, Limits, read_in_cell
+from rclpy_virtual_time.link.log import LogLine
 from sim.bag_qos import profile
 from sim.layout import layout_from_json, layout_to_json
 from sim.messages import (

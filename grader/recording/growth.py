@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from grader.host.frames import Note
 from grader.recording.costs import lidar_period
 from grader.recording.recording import Endpoint, Recording
 from grader.recording.views import Floats
+from rclpy_virtual_time.host.frames import Note
 
 PARTS, LEAST = 5, 40  # of a trial, and messages in each part
 TIMES, RISE = 2.0, 0.001  # [s] so much more in the last part is no noise of the machine

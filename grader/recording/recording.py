@@ -17,12 +17,12 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from grader.host.frames import ASKED_TO_END, Note
-from grader.link.log import LogLine
 from grader.recording import views
 from grader.recording.inferences import Inference
 from grader.recording.training import Training
 from grader.recording.views import Floats, Goals, Odom, Scan, Twists
+from rclpy_virtual_time.host.frames import ASKED_TO_END, Note
+from rclpy_virtual_time.link.log import LogLine
 from sim.layout import Layout, layout_to_json
 from sim.messages import (
     CMD_VEL_TOPIC,

@@ -8,8 +8,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from grader.link.log import LogLine
 from grader.recording.recording import Recording
+from rclpy_virtual_time.link.log import LogLine
 from sim.messages import decode
 
 BEFORE, AFTER = 1.0, 0.05  # [s] around the moment

@@ -11,12 +11,12 @@ from rich.table import Table
 from rich.text import Text
 
 from grader.course.installed import never_run
-from grader.link import system
 from grader.report.facts import OUTCOMES
 from grader.report.terminal import MAX_WIDTH, Console, is_ascii, printable
+from rclpy_virtual_time.link import system
 
 if TYPE_CHECKING:
-    from grader.link.doctor import Diagnosis
+    from rclpy_virtual_time.link.doctor import Diagnosis
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {  # what it is for: distributions
     "exercise 2, 5, 6, 8 and 9 (extra `ml`)": ("scikit-learn", "onnxruntime", "onnx", "skl2onnx"),

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from grader.link.foreign import readable
 from grader.report.facts import in_order
 from grader.report.replay import moments_of, replay_payload
+from rclpy_virtual_time.link.foreign import readable
 
 if TYPE_CHECKING:
     from grader.recording import Recording

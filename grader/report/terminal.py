@@ -18,7 +18,6 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from grader.link.foreign import readable
 from grader.report.facts import (
     OUTCOMES,
     SKIPPED,
@@ -39,6 +38,7 @@ from grader.report.facts import (
     share_of,
     with_details,
 )
+from rclpy_virtual_time.link.foreign import readable
 
 Fact = tuple[str, Text, int]  # name, text, the most rows that it may take
 

@@ -1,1 +1,1 @@
-"""Students' own tests: pytest's fixtures `drive` and `virtual_time`."""
+"""Students' own tests: pytest's fixture `drive`."""

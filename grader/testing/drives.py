@@ -13,14 +13,14 @@ from grader.course.submission import find_submission
 from grader.drive import drive_node, scenario_for
 from grader.errors import GraderError, InputError
 from grader.launchers import start_launcher
-from grader.link.foreign import readable
-from grader.link.practice import PracticeServer
 from grader.testing.run import Run, write_replays
 from grader.trial.staging import parameter_arguments
+from rclpy_virtual_time.link.foreign import readable
+from rclpy_virtual_time.link.practice import PracticeServer
 from sim.scenario import Scenario
 
 if TYPE_CHECKING:
-    from grader.link.hosts import ForkServer
+    from rclpy_virtual_time.link.hosts import ForkServer
 
 LONGEST = 150  # [characters] of a replay's file name
 

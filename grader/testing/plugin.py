@@ -1,8 +1,7 @@
-"""The plug-in that pytest loads where the course is installed: fixtures, and what failures say.
+"""The plug-in that pytest loads where the course is installed: `drive`, and what failures say.
 
-`drive` runs a node in the mock robot. A test that asks for `virtual_time` runs, as a whole, in
-another process (see `grader.testing.virtual_time`). Nothing is started before a test asks, and
-little is imported: every run of pytest loads this.
+`drive` runs a node in the mock robot. (The fixture `virtual_time` is the engine's.) Nothing is
+started before a test asks, and little is imported: every run of pytest loads this.
 """
 
 from __future__ import annotations
@@ -15,16 +14,10 @@ import pytest
 
 if TYPE_CHECKING:
     from grader.testing.drives import Drive, Drives
-    from grader.testing.virtual_time import TestHosts
 
 PROCESSES = "course-processes"
 HOST = "course-host"  # the plug-in of a pytest that runs in virtual time already
-FIXTURE = MARK = "virtual_time"
 REPLAYS = Path(".course", "replays")
-MARKER = (
-    "virtual_time(limit=60.0, patience=120.0): run this test in virtual time, as the fixture does. "
-    "limit: virtual seconds that it may take; patience: seconds of real time."
-)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -37,8 +30,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Offer the fixtures, unless this is a host that runs one test in virtual time."""
-    config.addinivalue_line("markers", MARKER)
+    """Offer the fixture, unless this is a host that runs one test in virtual time."""
     if not config.pluginmanager.has_plugin(HOST):
         config.pluginmanager.register(Processes(config), PROCESSES)
 
@@ -52,41 +44,18 @@ def drive(request: pytest.FixtureRequest) -> Drive:
     return processes.drives_in(request.path.parent)
 
 
-@pytest.fixture
-def virtual_time() -> None:
-    """Run this test in virtual time: `with virtual_time() as world:`."""
-    pytest.fail("virtual_time is for tests that pytest itself runs", pytrace=False)
-
-
 class Processes:
-    """The processes behind the fixtures; they start when a test first asks."""
+    """The process behind the fixture; it starts when a test first asks."""
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
         self._drives: Drives | None = None
-        self._hosts: TestHosts | None = None
 
     @pytest.hookimpl(tryfirst=True)
-    def pytest_runtest_protocol(
-        self, item: pytest.Item, nextitem: pytest.Item | None
-    ) -> bool | None:
-        """Run a test that wants virtual time in a process of its own."""
+    def pytest_runtest_protocol(self) -> None:
+        """Forget the runs of the test before."""
         if self._drives is not None:
             self._drives.begin()
-        if FIXTURE not in getattr(item, "fixturenames", ()) and not item.get_closest_marker(MARK):
-            return None
-        from grader.link.choice import why_not_linux  # noqa: PLC0415
-
-        if reason := why_not_linux():
-            item.add_marker(pytest.mark.skip(reason=f"virtual_time needs the real rclpy: {reason}"))
-            return None
-        if self._hosts is None:
-            from grader.testing.virtual_time import TestHosts  # noqa: PLC0415
-
-            self._hosts = TestHosts()
-        self._hosts.run(item)
-        item.session._setupstate.teardown_exact(nextitem)  # of fixtures that this module's had
-        return True
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(
@@ -107,10 +76,9 @@ class Processes:
             terminalreporter.write_line(f"drive: {self._drives.practice}", yellow=True)
 
     def pytest_unconfigure(self) -> None:
-        """End the processes."""
-        for processes in (self._drives, self._hosts):
-            if processes is not None:
-                processes.close()
+        """End the process."""
+        if self._drives is not None:
+            self._drives.close()
 
     def drives_in(self, folder: Path) -> Drive:
         """Return the fixture `drive` for tests in a folder."""

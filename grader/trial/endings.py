@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from grader.course.submission import Submission
-from grader.link.exchange import HostForged, status_text
-from grader.link.log import LogLine
-from grader.link.workplace import Excess
 from grader.models.service import TooManyQuestions
 from grader.recording import Outcome, Recording
 from grader.trial.recorder import Command, Flood, Recorder
 from grader.trial.staging import missing_file
+from rclpy_virtual_time.link.exchange import HostForged, status_text
+from rclpy_virtual_time.link.log import LogLine
+from rclpy_virtual_time.link.workplace import Excess
 from sim.scenario import Scenario
 from sim.simulation import Simulation
 

@@ -20,7 +20,7 @@ LOOP = re.compile(r"(async\s+)?(while|for)\b")
 FUNCTION = re.compile(r"(async\s+def|def|class)\b")
 CALLED = re.compile(r"\btarget\s*=\s*[\w.]+\(")  # Thread(target=self.work())
 EXECUTORS = "rclpy/executors.py"
-KERNEL = "grader/host/virtual"  # a thread in there waits for its turn
+KERNEL = "rclpy_virtual_time/host/virtual"  # a thread in there waits for its turn
 HALTS = {
     "hung": "the node did not come back from",
     "never_spun": "the node never spins: its program waits in",

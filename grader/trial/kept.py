@@ -30,7 +30,10 @@ FORMAT = 2
 BROKEN = (pickle.UnpicklingError, AttributeError, EOFError, ImportError, IndexError)
 CODE = Path(__file__).resolve().parents[2]
 RECORDINGS = CODE / "build" / "recordings"  # those of the proof and of the tests
-ENGINE = ("sim", "grader/host", "grader/link", "grader/models", "grader/recording", "grader/trial")
+ENGINE = (
+    "sim", "rclpy_virtual_time/host", "rclpy_virtual_time/link", "grader/advice", "grader/colcon",
+    "grader/hosted", "grader/models", "grader/recording", "grader/trial",
+)  # fmt: skip
 LIBRARIES = ("ros-jazzy-rclpy", "numpy", "pymunk", "rosbags", "scikit-learn", "onnxruntime")
 _SAID_OF_IT = {"title": "", "name": "", "description": ""}  # of a scenario; changes no recording
 ENGINES = 3  # whose recordings are kept; those of older ones are deleted

@@ -1,8 +1,8 @@
 """One trial in real time: the node as a process on DDS, beside a robot that keeps to the clock.
 
-The judge runs the robot and its clock; a radio (grader.host.real_time.robot) has the robot's ends
-of the topics, in a process of its own, and says when what came. The recording has the form of any
-other.
+The judge runs the robot and its clock; a radio (rclpy_virtual_time.host.real_time.robot) has the
+robot's ends of the topics, in a process of its own, and says when what came. The recording has the
+form of any other.
 """
 
 from __future__ import annotations
@@ -14,14 +14,6 @@ from pathlib import Path
 import msgspec
 
 from grader.course.submission import Submission
-from grader.host.frames import MAX_NAME, Delivery, Note
-from grader.host.sandbox.layers import NETWORK
-from grader.host.sandbox.users import priority
-from grader.link import real_clock
-from grader.link.domains import own_domain
-from grader.link.exchange import HostForged
-from grader.link.hosts import ForkServer
-from grader.link.workplace import Excess
 from grader.models.service import ModelService, TooManyQuestions
 from grader.recording import COMPLETED, Live, Outcome, Recording
 from grader.trial.endings import (
@@ -42,6 +34,14 @@ from grader.trial.real_time_hosts import HUNG_AT_START, TURN, LiveHosts, NotRead
 from grader.trial.recorder import Command, Flood, Recorder
 from grader.trial.staging import Stage, stage
 from grader.trial.stalls import AnswerRate
+from rclpy_virtual_time.host.frames import MAX_NAME, Delivery, Note
+from rclpy_virtual_time.host.sandbox.layers import NETWORK
+from rclpy_virtual_time.host.sandbox.users import priority
+from rclpy_virtual_time.link import real_clock
+from rclpy_virtual_time.link.domains import own_domain
+from rclpy_virtual_time.link.exchange import HostForged
+from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time.link.workplace import Excess
 from sim.messages import Message, typestore, with_epoch
 from sim.scenario import Scenario
 from sim.schedule import scan_rate

@@ -16,7 +16,12 @@ from typing import Any
 
 from grader.course.students import host_seed
 from grader.errors import GraderError
-from grader.host.frames import (
+from grader.models.service import ModelService
+from grader.trial.endings import NEVER_SPUN
+from grader.trial.recorder import MAX_ENDPOINTS, Flood
+from grader.trial.staging import Stage
+from grader.trial.virtual_time import Limits
+from rclpy_virtual_time.host.frames import (
     MAX_FRAME,
     MAX_PUBLISHED,
     MAX_PUBLISHED_BYTES,
@@ -39,20 +44,15 @@ from grader.host.frames import (
     decode_from_radio,
     encode,
 )
-from grader.host.sandbox.users import prefer
-from grader.link import real_clock
-from grader.link.exchange import HostDied, HostHung, decoded
-from grader.link.host_process import HostProcess
-from grader.link.hosts import ForkServer
-from grader.link.pipes import Channel
-from grader.link.run_queue import RunQueue
-from grader.link.scratch import prefix
-from grader.link.workplace import Workplace
-from grader.models.service import ModelService
-from grader.trial.endings import NEVER_SPUN
-from grader.trial.recorder import MAX_ENDPOINTS, Flood
-from grader.trial.staging import Stage
-from grader.trial.virtual_time import Limits
+from rclpy_virtual_time.host.sandbox.users import prefer
+from rclpy_virtual_time.link import real_clock
+from rclpy_virtual_time.link.exchange import HostDied, HostHung, decoded
+from rclpy_virtual_time.link.host_process import HostProcess
+from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time.link.pipes import Channel
+from rclpy_virtual_time.link.run_queue import RunQueue
+from rclpy_virtual_time.link.scratch import prefix
+from rclpy_virtual_time.link.workplace import Workplace
 from sim.messages import OFFERED
 
 SEND_LIMIT = 5.0  # [s] for a frame to a host

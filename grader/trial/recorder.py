@@ -7,11 +7,11 @@ from collections.abc import Iterable
 import msgspec
 import numpy as np
 
-from grader.host.frames import MAX_NOTES, EndpointReport, Note, Published
-from grader.link.exchange import HostForged
-from grader.link.log import LogLine
-from grader.link.output import Output
 from grader.recording import Compute, Endpoint, Inference, Live, Outcome, Recording
+from rclpy_virtual_time.host.frames import MAX_NOTES, EndpointReport, Note, Published
+from rclpy_virtual_time.link.exchange import HostForged
+from rclpy_virtual_time.link.log import LogLine
+from rclpy_virtual_time.link.output import Output
 from sim.messages import (
     CMD_VEL_TOPIC,
     OFFERED,

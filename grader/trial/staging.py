@@ -10,8 +10,8 @@ from itertools import pairwise
 from pathlib import Path
 
 from grader.course.submission import Program, Submission
-from grader.host.frames import Offer, ProgramStart
 from grader.models.files import write_models
+from rclpy_virtual_time.host.frames import Offer, ProgramStart
 from sim.messages import LATCHED, OFFERED, SENSORS
 from sim.scenario import ProgramSpec, Scenario
 

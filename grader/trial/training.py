@@ -22,15 +22,7 @@ import numpy as np
 from grader.course import installed
 from grader.course.submission import Submission, read_regular_file
 from grader.errors import GraderError
-from grader.host.frames import Script
 from grader.hosted.models import LOAD, PREDICT, Loaded, LoadModels, Predict, Predicted
-from grader.link import real_clock
-from grader.link.exchange import HostDied, HostForged, HostHung, status_text
-from grader.link.launcher import Launcher
-from grader.link.link import Link
-from grader.link.log import LogLine
-from grader.link.scratch import fresh_folder
-from grader.link.workplace import Excess
 from grader.models.dataset import HAS_EXPERT, Dataset, make_dataset
 from grader.models.features import features
 from grader.models.scans import PROFILE
@@ -44,6 +36,14 @@ from grader.recording import (
     Training,
 )
 from grader.trial.endings import GRACE, line_without_folder, not_run, without_folder
+from rclpy_virtual_time.host.frames import Script
+from rclpy_virtual_time.link import real_clock
+from rclpy_virtual_time.link.exchange import HostDied, HostForged, HostHung, status_text
+from rclpy_virtual_time.link.launcher import Launcher
+from rclpy_virtual_time.link.link import Link
+from rclpy_virtual_time.link.log import LogLine
+from rclpy_virtual_time.link.scratch import fresh_folder
+from rclpy_virtual_time.link.workplace import Excess
 from sim.scenario import Scenario, TrainingSpec
 from sim.simulation import Simulation
 

@@ -15,8 +15,6 @@ from grader.course import installed
 from grader.course.students import Seed
 from grader.course.submission import Submission
 from grader.errors import GraderError, InputError, is_disk_full
-from grader.link import real_clock
-from grader.link.launcher import Launcher
 from grader.models.files import OWN, needed_for
 from grader.recording import Outcome, Recording, bag, ended_of, growth_of
 from grader.trial.endings import BUSY_WAIT, is_halt, not_run
@@ -25,6 +23,8 @@ from grader.trial.progress import LEFT_OUT, TRIAL, OnProgress, Step, ignore
 from grader.trial.seeds import trial_seed
 from grader.trial.training import Trained, run_training
 from grader.trial.virtual_time import Limits, run_trial
+from rclpy_virtual_time.link import real_clock
+from rclpy_virtual_time.link.launcher import Launcher
 from sim.scenario import Scenario
 from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
@@ -373,8 +373,8 @@ class NodeTrials(Trials):
         return virtual
 
     def _run_in_real_time(self, scenario: Scenario, reason: str) -> Recording:
-        from grader.link.hosts import ForkServer  # noqa: PLC0415  (only Linux can import these)
         from grader.trial.real_time import run_live_trial  # noqa: PLC0415
+        from rclpy_virtual_time.link.hosts import ForkServer  # noqa: PLC0415  (only Linux can import these)
 
         assert isinstance(self.forkserver, ForkServer)
         return run_live_trial(

@@ -13,12 +13,6 @@ from pathlib import Path
 
 from grader.course.students import host_seed
 from grader.course.submission import Submission
-from grader.host.frames import Delivery, Discovery, Ended, Run, Settled, Slept, Start, ToJudge
-from grader.link import real_clock
-from grader.link.exchange import Cost, HostDied, HostForged, HostHung
-from grader.link.launcher import Launcher
-from grader.link.link import Conversation, Link
-from grader.link.workplace import Excess
 from grader.models.service import ModelService, TooManyQuestions
 from grader.recording import COMPLETED, Ending, Outcome, Recording
 from grader.trial.endings import (
@@ -36,6 +30,21 @@ from grader.trial.endings import (
 from grader.trial.hangs import located
 from grader.trial.recorder import MAX_BYTES, Flood, Recorder
 from grader.trial.staging import stage
+from rclpy_virtual_time.host.frames import (
+    Delivery,
+    Discovery,
+    Ended,
+    Run,
+    Settled,
+    Slept,
+    Start,
+    ToJudge,
+)
+from rclpy_virtual_time.link import real_clock
+from rclpy_virtual_time.link.exchange import Cost, HostDied, HostForged, HostHung
+from rclpy_virtual_time.link.launcher import Launcher
+from rclpy_virtual_time.link.link import Conversation, Link
+from rclpy_virtual_time.link.workplace import Excess
 from sim.messages import EPOCH_NS, SENSORS, Message
 from sim.scenario import Scenario
 from sim.simulation import Simulation

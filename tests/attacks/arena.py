@@ -27,12 +27,12 @@ from pathlib import Path
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.grading.grading import Grading, grade, grade_submission
-from grader.host.sandbox.layers import CALLS, USER
-from grader.host.sandbox.users import USERS
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.trials import NodeTrials
 from grader.trial.virtual_time import Limits
+from rclpy_virtual_time.host.sandbox.layers import CALLS, USER
+from rclpy_virtual_time.host.sandbox.users import USERS
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario import Scenario
 
 HERE = Path(__file__).resolve().parent

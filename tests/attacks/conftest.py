@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 
 from grader.launchers import fork_server
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 
 
 @pytest.fixture(scope="module")

@@ -63,7 +63,7 @@ def scan(node, _):
     node.cmd_vel.publish(twist)
 """,
     "forged names": """
-frames = sys.modules["grader.host.frames"]
+frames = sys.modules["rclpy_virtual_time.host.frames"]
 def scan(node, _):
     odd = "\\u202e<!--=cmd|]]>\\ufffe\\x0b"
     for thing in gc.get_objects():
@@ -76,7 +76,7 @@ def scan(node, _):
                 ]
 """,
     "forged messages": """
-frames = sys.modules["grader.host.frames"]
+frames = sys.modules["rclpy_virtual_time.host.frames"]
 def scan(node, _):
     for thing in gc.get_objects():
         if type(thing).__name__ == "Bridge":
@@ -88,7 +88,7 @@ def scan(node, _):
                     )
 """,
     "forged end": """
-frames = sys.modules["grader.host.frames"]
+frames = sys.modules["rclpy_virtual_time.host.frames"]
 def scan(node, _):
     frame = sys._getframe()
     while frame and not hasattr(frame.f_locals.get("session"), "_wire"):

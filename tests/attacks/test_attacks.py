@@ -26,10 +26,10 @@ from rich.console import Console
 
 from grader.grading.grading import Grading, grade_submission
 from grader.grading.plugin import UNJUDGED
-from grader.link.hosts import ForkServer
 from grader.report.page import page_html, page_payload
 from grader.report.terminal import render_terminal
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario_files import load_scenario
 
 NEXT = load_scenario("avoid_zones")

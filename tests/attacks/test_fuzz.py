@@ -15,7 +15,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from grader.colcon.frames import Executable, PackageRead
-from grader.host.frames import (
+from grader.hosted.models import Loaded, Predicted, Tensor
+from grader.hosted.questions import Question
+from rclpy_virtual_time.host.frames import (
     LENGTH,
     Carried,
     Ended,
@@ -31,10 +33,8 @@ from grader.host.frames import (
     decode_to_judge,
     encode,
 )
-from grader.hosted.models import Loaded, Predicted, Tensor
-from grader.hosted.questions import Question
-from grader.link.exchange import HostForged, decoded
-from grader.link.pipes import Channel
+from rclpy_virtual_time.link.exchange import HostForged, decoded
+from rclpy_virtual_time.link.pipes import Channel
 
 DECODERS: dict[str, tuple[Callable[[bytes], Any], tuple[type, ...]]] = {
     "nodes": (decode_to_judge, (Settled, Ended)),

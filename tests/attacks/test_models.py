@@ -12,7 +12,7 @@ from grader.course.exercises import find_exercise
 from grader.course.students import student_key
 from grader.course.submission import Submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 
 SLOW = Path(__file__).resolve().parent / "models" / "slow.py"
 SECRET = b"a secret of a course"
@@ -171,7 +171,7 @@ NOTES = """import json
             self.probe.publish(String(data=json.dumps(note)))
         self.detection_publisher.publish(String(data=f"{self.beats}"))"""
 OWN_ANSWERS = f"""import msgspec
-        from grader.host.desk import desk
+        from rclpy_virtual_time.host.desk import desk
         from grader.hosted.questions import Told
         desk.ask = lambda _: msgspec.msgpack.encode(Told(labels=("box",)))
         {ASKS}"""

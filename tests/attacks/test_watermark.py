@@ -24,12 +24,12 @@ from grader.classroom.row import GRADED, StoredResult
 from grader.course.students import student_key
 from grader.course.submission import Submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
 from grader.lms.book import Handed, StudentRow
 from grader.nbgrader.cells import Wanted
 from grader.nbgrader.judge import judge
 from grader.nbgrader.marks import mark_of
 from grader.nbgrader.table import output_of
+from rclpy_virtual_time.link.hosts import ForkServer
 
 NODE = Path(__file__).resolve().parent / "withheld" / "watermark.py"
 KEY = student_key(b"a secret of a course", "ada", EXERCISE.slug)

@@ -12,9 +12,9 @@ from grader.course.students import student_key
 from grader.course.submission import Submission
 from grader.exercises.obstacle_avoidance.contract import right_speeds
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.trials import NodeTrials
+from rclpy_virtual_time.link.hosts import ForkServer
 
 KIT = Path(__file__).resolve().with_name("kit.py")
 WORLDS = KIT.parent / "worlds" / "worlds.py"

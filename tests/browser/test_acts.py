@@ -12,7 +12,7 @@ import pytest
 from frames import value, wait_until
 
 from grader.authoring.lesson_replays import LESSONS, write
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 
 Open = Callable[..., Any]
 PAGES = sorted(f.stem for f in LESSONS.glob("*.md") if ":::{question}" in f.read_text("utf-8"))

@@ -23,7 +23,7 @@ from grader.authoring.mutants import find_mutant
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 
 MEASURED = ("callback_time",)  # by the wall clock: a busy machine shows in it
 SETTLED = """new Promise((tell) => { const look = () => {

@@ -18,7 +18,7 @@ from grader.authoring.mutants import find_mutant
 from grader.course.exercises import ROOT, all_exercises, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 
 MADE = ROOT / "build" / "lite" / "index.html"
 WHOLE = [each.slug for each in all_exercises() if not each.libraries]  # a page judges all of them

@@ -13,7 +13,7 @@ import pytest
 from frames import colours, value, wait_until
 
 from grader.authoring.pitfalls import FOLDER, PITFALLS, REPLAYS, Pitfall, write_replays
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 
 Open = Callable[..., Any]
 each_pitfall = pytest.mark.parametrize("pitfall", PITFALLS, ids=lambda pitfall: pitfall.name)

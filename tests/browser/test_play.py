@@ -14,7 +14,7 @@ from grader.authoring.lesson_replays import LESSONS, LISTING
 from grader.authoring.play_data import LIDARS, latencies, learned, made, scan
 from grader.course.submission import find_submission
 from grader.drive import arguments_of, drive_node, scenario_for
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.layout import Layout
 from sim.lidar import PROFILES
 from sim.robot import STEP, Robot

@@ -20,7 +20,7 @@ from grader.authoring.mutants import find_mutant, mutants, submission_of
 from grader.course.exercises import ROOT, all_exercises, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 from workspace.plan import plan
 
 MADE = ROOT / "build" / "workspace" / "manifest.json"

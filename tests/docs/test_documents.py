@@ -17,7 +17,7 @@ from grader.cli.gone import what_replaces
 from grader.course.exercises import all_exercises, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 
 OURS = documents(
     "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "docs/", "notebooks/README.md"

@@ -10,10 +10,10 @@ from node_runs import PREAMBLE, RunNode, short
 from grader.course.submission import Submission
 from grader.errors import InputError
 from grader.launchers import fork_server
-from grader.link.hosts import ForkServer
-from grader.link.ros_environment import portable_ros
 from grader.recording import Recording
 from grader.trial.virtual_time import Limits, run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time.link.ros_environment import portable_ros
 from sim.scenario import Scenario
 
 

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Iterator
 
 import msgspec
 
-from grader.host.frames import LENGTH, Settled, encode
-from grader.link.host_process import HostProcess
+from rclpy_virtual_time.host.frames import LENGTH, Settled, encode
+from rclpy_virtual_time.link.host_process import HostProcess
 
 SETTLED = Settled(now=0, spinning=True, asleep=False, published=[])
 

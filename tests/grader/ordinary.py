@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from grader.host.sandbox import kernel_filters, layers, users
+from rclpy_virtual_time.host.sandbox import kernel_filters, layers, users
 
 ROOT = Path(__file__).resolve().parents[2]
 NOBODY = 65534

@@ -8,7 +8,15 @@ import pytest
 
 from grader.course.exercises import JUDGE, ROOT, all_exercises
 
-SCOPE = ("grader", "sim", "exercises/launch", "exercises/setup.py", "pyproject.toml", ".ci")
+SCOPE = (
+    "grader",
+    "rclpy_virtual_time",
+    "sim",
+    "exercises/launch",
+    "exercises/setup.py",
+    "pyproject.toml",
+    ".ci",
+)
 SUFFIXES = {".py", ".toml", ".js", ".j2", ".html", ".xml", ".in", ""}
 SLUGS = re.compile("|".join(exercise.slug for exercise in all_exercises()))
 NUMBERS = re.compile(r"exercise\.number (==|!=|in)\b|\bnumber (==|!=) \d")

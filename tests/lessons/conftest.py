@@ -6,7 +6,7 @@ import pytest
 from pitfall_runs import Runs
 
 from grader.course.exercises import ROOT
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 
 # The site's modules: contract, and its extensions
 sys.path += [str(ROOT / "lessons"), str(ROOT / "lessons" / "_ext")]

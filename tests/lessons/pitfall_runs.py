@@ -7,8 +7,8 @@ import functools
 import pytest
 
 from grader.authoring.pitfalls import PITFALLS, Pitfall, drive
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
+from rclpy_virtual_time.link.hosts import ForkServer
 
 BY_NAME = {pitfall.name: pitfall for pitfall in PITFALLS}
 WRONG = [(pitfall, node) for pitfall in PITFALLS for node in pitfall.wrong]

@@ -21,8 +21,8 @@ from lesson_pages import PAGES, ROOT, Block, blocks
 
 import grader.drive
 from grader.cli import cli
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
+from rclpy_virtual_time.link.hosts import ForkServer
 
 ELISION = "…"
 NEEDS = ("numpy", "sklearn", "skl2onnx", "onnxruntime", "torch")

@@ -17,7 +17,7 @@ from lesson_pages import LESSONS, PAGES, blocks
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
-from grader.host import stand_ins
+from rclpy_virtual_time.host import stand_ins
 
 NODES = LESSONS / "pitfalls" / "nodes"
 BLIND = {

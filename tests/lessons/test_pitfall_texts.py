@@ -23,7 +23,7 @@ from grader.authoring.pitfalls import (
 from grader.course.exercises import ROOT, find_exercise
 from grader.drive import scenario_for
 from grader.errors import InputError
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 
 LARGEST = 600_000  # [bytes] of a replay
 

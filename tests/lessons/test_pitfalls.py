@@ -19,8 +19,8 @@ from grader.authoring.pitfalls import (
 from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
 from grader.drive import drive_node, print_summary, scenario_for
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
+from rclpy_virtual_time.link.hosts import ForkServer
 
 MOST = 50  # core points for a node that everybody can copy
 QUICK = {  # checks that do to show it, where all of them take long

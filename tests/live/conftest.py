@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from processes import Town, town
 
-from grader.link.domains import own_domain
+from rclpy_virtual_time.link.domains import own_domain
 
 
 @pytest.fixture

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from grader.link.hosts import LIVE_DDS
-from grader.link.ros_environment import find_ros
+from rclpy_virtual_time.link.hosts import LIVE_DDS
+from rclpy_virtual_time.link.ros_environment import find_ros
 
 NODES = Path(__file__).parent / "nodes"
 ROOT = Path(__file__).resolve().parents[2]

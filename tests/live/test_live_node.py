@@ -16,7 +16,7 @@ import pytest
 from processes import Line, Process, Town, town
 from rosbags.rosbag2 import Reader
 
-from grader.link.domains import own_domain
+from rclpy_virtual_time.link.domains import own_domain
 from sim.messages import EPOCH_NS, TWIST
 
 pytestmark = pytest.mark.long  # but one: in test_live_command_line.py

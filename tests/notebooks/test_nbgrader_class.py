@@ -39,10 +39,10 @@ from grader.course.exercises import Exercise, all_exercises
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
 from grader.launchers import fork_server
-from grader.link.hosts import ForkServer
 from grader.nbgrader.cells import definition
 from grader.nbgrader.points import points_of
 from grader.notebook.build import all_notebooks, asked_by
+from rclpy_virtual_time.link.hosts import ForkServer
 
 pytestmark = [
     pytest.mark.long,

@@ -13,7 +13,6 @@ import pytest
 from grader.course.exercises import SOLUTIONS
 from grader.errors import GraderError
 from grader.launchers import launcher_pool
-from grader.link.pool import ForkServerPool
 from grader.notebook import answers, judge
 from grader.notebook.judge import carry_out
 from grader.notebook.orders import (
@@ -27,6 +26,7 @@ from grader.notebook.orders import (
     Progressed,
     Warm,
 )
+from rclpy_virtual_time.link.pool import ForkServerPool
 
 AGENT = "obstacle_avoidance_agent.py"
 RIGHT = SOLUTIONS / "obstacle_avoidance" / AGENT

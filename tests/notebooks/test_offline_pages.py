@@ -13,12 +13,12 @@ from nbconvert.exporters import HTMLExporter
 from nbformat import NotebookNode, v4
 from traitlets.config import Config
 
-from grader.link.cell import Refused
 from grader.nbgrader import configure, offline
 from grader.nbgrader.intake import Cell
 from grader.nbgrader.offline import MAX_FORMULA, highlighted, page_of
 from grader.nbgrader.restore import MAX_PROSE, restored
 from grader.notebook.build import built, text_of
+from rclpy_virtual_time.link.cell import Refused
 
 STATIC = Path(nbgrader.__file__).parent / "server_extensions" / "formgrader" / "static"
 CSS = STATIC / "node_modules" / "bootstrap" / "dist" / "css"

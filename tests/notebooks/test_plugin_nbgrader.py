@@ -30,12 +30,12 @@ from traitlets.config import Config
 from grader.course.exercises import find_exercise
 from grader.course.students import student_key
 from grader.errors import GraderError, InputError
-from grader.link.pool import ForkServerPool
 from grader.nbgrader import autograde, configure, judge
 from grader.nbgrader.autograde import CourseExporter
 from grader.nbgrader.gradebook import Place
 from grader.nbgrader.judge import Verdict
 from grader.nbgrader.release import LeaveSkeletons
+from rclpy_virtual_time.link.pool import ForkServerPool
 
 pytestmark = pytest.mark.long
 SLUG = "obstacle_avoidance"

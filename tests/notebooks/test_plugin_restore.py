@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grader.course.submission import MAX_SIZE
-from grader.link.cell import Refused
 from grader.nbgrader import intake
 from grader.nbgrader.cells import definition
 from grader.nbgrader.intake import Cell, read_cells
 from grader.nbgrader.restore import ABOUT, Trusted, restored, unreadable
+from rclpy_virtual_time.link.cell import Refused
 
 NODE = Trusted("node-agent", "code", "%%node agent.py\n# TODO", solution=True)
 TEST = Trusted("ex-wiring", "code", 'check("1:wiring")', points=5.0)

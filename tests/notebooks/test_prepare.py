@@ -19,9 +19,9 @@ import pytest
 from kernels import Kernel
 
 from grader.errors import InputError
-from grader.link.ros_environment import find_ros
 from grader.notebook import preparation
 from grader.notebook.bootstrap import BOOTSTRAP, with_address
+from rclpy_virtual_time.link.ros_environment import find_ros
 
 ROOT = Path(preparation.__file__).resolve().parents[2]
 WHEEL = "rclpy_agents_course"  # the one package of the wheel

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from grader.course.exercises import ROOT, SOLUTIONS
-from grader.link.domains import own_domain
+from rclpy_virtual_time.link.domains import own_domain
 
 SCANS = """
 import sys, rclpy

@@ -35,9 +35,10 @@ PRELUDE = f"import sys; sys.path.insert(0, {str(HERE.parent)!r}); import elsewhe
 )
 MODULES = {"fcntl", "grp", "pty", "pwd", "resource", "spwd", "syslog", "termios", "tty"}
 LINUX_OURS = (
-    "grader.host.sandbox.kernel_filters", "grader.host.sandbox.layers",
-    "grader.host.sandbox.limits", "grader.host.sandbox.users", "grader.host.sandbox.workplaces",
-    "grader.link.hosts", "grader.link.pipes", "grader.trial.real_",
+    "rclpy_virtual_time.host.sandbox.kernel_filters", "rclpy_virtual_time.host.sandbox.layers",
+    "rclpy_virtual_time.host.sandbox.limits", "rclpy_virtual_time.host.sandbox.users",
+    "rclpy_virtual_time.host.sandbox.workplaces",
+    "rclpy_virtual_time.link.hosts", "rclpy_virtual_time.link.pipes", "grader.trial.real_",
 )  # fmt: skip
 ROS_BRINGS = re.compile(r"ros_.*|lark_parser|empy")  # distributions
 MODULE_IN_RECORD = re.compile(r"^(?:[^,]*-packages/)?(\w+)(?:/__init__)?\.py,", re.MULTILINE)
@@ -141,7 +142,7 @@ def _without_proc() -> None:
 
 if __name__ == "__main__":
     impoverish()
-    from grader.link import practice
+    from rclpy_virtual_time.link import practice
 
     practice.PRELUDE = PRELUDE
     if sys.argv[1] == "pytest":
@@ -152,8 +153,8 @@ if __name__ == "__main__":
     if sys.argv[1] == "prepare":
         import platform
 
-        from grader.link import ros_environment
         from grader.notebook.preparation import prepare_kernel
+        from rclpy_virtual_time.link import ros_environment
 
         platform.machine = lambda: "aarch64"
         ros_environment._has_rclpy = lambda _: False

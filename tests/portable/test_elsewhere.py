@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from grader.course.exercises import all_exercises
-from grader.link.practice import PRACTICE
+from rclpy_virtual_time.link.practice import PRACTICE
 
 ROOT = Path(__file__).resolve().parents[2]
 FULL = os.environ.get("COURSE_PORTABLE") == "full"  # make conform: all exercises
@@ -35,7 +35,8 @@ def test_it_is_poor_indeed() -> None:
         "assert not any(hasattr(os, n) for n in ('fork', 'getuid', 'pidfd_open', 'setsid'));"
         "assert not hasattr(select, 'poll');"
         "missing = []\n"
-        "for name in ('fcntl', 'resource', 'grader.host.sandbox.users', 'grader.link.hosts'):\n"
+        "for name in ('fcntl', 'resource', 'rclpy_virtual_time.host.sandbox.users',\n"
+        "             'rclpy_virtual_time.link.hosts'):\n"
         "    try: __import__(name)\n"
         "    except ImportError: missing.append(name)\n"
         "try: open('/proc/self/stat')\n"

@@ -14,8 +14,8 @@ import pytest
 from grader.course.submission import Submission
 from grader.errors import InputError
 from grader.launchers import fork_server
-from grader.link.ros_environment import RosEnvironment, find_ros, portable_ros
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.ros_environment import RosEnvironment, find_ros, portable_ros
 from sim.scenario_files import load_scenario
 
 SCRIPTS = sorted((Path(__file__).parent / "scripts").glob("*.py"))

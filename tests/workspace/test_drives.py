@@ -16,7 +16,7 @@ import pytest
 
 from grader import cli
 from grader.course.exercises import ROOT
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 from workspace.runtime import REFUSED
 
 FORKED = Path(__file__).with_name("forked.py")

@@ -16,8 +16,8 @@ from grader.authoring.claims import claims, complete
 from grader.authoring.digests import UNSETTLED, comparable
 from grader.course.exercises import all_exercises, find_exercise
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
+from rclpy_virtual_time.link.hosts import ForkServer
 from workspace.plan import fields, methods, plan
 
 FORKED = Path(__file__).with_name("forked.py")

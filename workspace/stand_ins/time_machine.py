@@ -1,4 +1,4 @@
-"""What grader.host.virtual.clock uses of time_machine: another clock under `datetime`.
+"""What rclpy_virtual_time.host.virtual.clock uses of time_machine: another clock under `datetime`.
 
 time_machine puts it there in C; this is a subclass, which a module has that imports `datetime`
 from now on.

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import IO
 
 from grader.classroom.intake.skeletons import bare, skeletons
-from grader.link.cell import MIB, Limits, Refused, read_in_cell
 from grader.nbgrader.cells import last_definitions, modules
 from grader.nbgrader.intake import cells_in
+from rclpy_virtual_time.link.cell import MIB, Limits, Refused, read_in_cell
 
 SUFFIX = ".ipynb"
 PLAIN = re.compile(r"cell_\d+\.py")

@@ -8,7 +8,9 @@ from pathlib import Path
 from grader.course.exercises import ROOT, all_exercises
 from grader.course.submission import read_regular_file
 
-HANDED_OUT = ("exercises", "lessons", "grader", "sim", "rclpy_portable")  # folders with Python
+HANDED_OUT = (  # folders with Python
+    "exercises", "lessons", "grader", "sim", "rclpy_virtual_time", "rclpy_portable",
+)  # fmt: skip
 
 
 def bare(text: str) -> str:

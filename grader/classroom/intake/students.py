@@ -14,7 +14,6 @@ from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.classroom.intake.whose import NOTHING_KNOWN, Known
 from grader.course.beside import MADE
 from grader.errors import InputError, is_disk_full
-from grader.link.cell import Broken, Refused
 from grader.lms import PLATFORMS
 from grader.lms.folders import LITTER
 from grader.lms.gradescope import METADATA
@@ -31,6 +30,7 @@ from grader.lms.unpack import (
 from grader.lms.unpack import (
     LINK as NO_LINK,
 )
+from rclpy_virtual_time.link.cell import Broken, Refused
 
 MAX_LISTED = 20_000  # files of a student's folder that are listed
 MAX_NOTEBOOKS = 50  # of a student that are opened

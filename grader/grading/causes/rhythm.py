@@ -14,8 +14,8 @@ import numpy as np
 
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed
-from grader.host.frames import OWN_TIMER
 from grader.recording import Recording
+from rclpy_virtual_time.host.frames import OWN_TIMER
 from sim.messages import CMD_VEL_TOPIC
 
 BURST = 20  # commands at one moment: no timer does that

@@ -17,8 +17,8 @@ import msgspec
 from kit import TARGETS, attempt, libc, spoil, trick
 from seeing import right_speed
 
-from grader.host import frames
 from grader.hosted.questions import Question, ask
+from rclpy_virtual_time.host import frames
 
 RUNNING = []  # nodes for whom a native thread publishes
 
@@ -98,11 +98,13 @@ def replayed_frames():
 @trick("any", full=True)
 def endless_pulses():
     """Ask for real time, and there write without a pause, so that the judge never stops to read."""
-    if "grader.host.real_time.node" not in sys.modules:
+    if "rclpy_virtual_time.host.real_time.node" not in sys.modules:
         end = {"now": 0, "kind": "real_time", "text": "", "detail": "", "published": []}
         write_everywhere(framed(type="ended", **end))
         sys.exit()
-    sys.modules["grader.host.wire"].Wire.send = lambda *_: None  # no pulse of the host's own
+    sys.modules["rclpy_virtual_time.host.wire"].Wire.send = lambda *_: (
+        None
+    )  # no pulse of the host's own
     ends = [["publisher", "/n", f"/t{i}", "std_msgs/msg/Bool"] for i in range(9)]
     pulse = framed(type="pulse", spinning=True, busy=0.0, endpoints=ends, connected={})
 
@@ -120,7 +122,7 @@ def endless_pulses():
 @trick("any")
 def patched_wire():
     """Patch the encoder of the host, so that each frame tells of a better life."""
-    wire = sys.modules["grader.host.wire"]
+    wire = sys.modules["rclpy_virtual_time.host.wire"]
     honest = wire.encode
 
     def flattering(frame):
@@ -181,7 +183,7 @@ def clock_deadlines(node, scan):
 @trick("any")
 def clock_frozen(node, scan):
     """Freeze virtual time while it works, as if whatever it waits for took no time."""
-    kernel = sys.modules["grader.host.virtual.threads"].Lock.kernel
+    kernel = sys.modules["rclpy_virtual_time.host.virtual.threads"].Lock.kernel
     now, until, moved = kernel.now, kernel.world.until, kernel.world.moved
     with attempt():
         kernel.world.until, kernel.world.moved = 2**61, lambda: None

@@ -20,9 +20,9 @@ from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import LaserScan
 
-from grader.host import frames
-from grader.host.desk import desk
 from grader.hosted.questions import Question, Told
+from rclpy_virtual_time.host import frames
+from rclpy_virtual_time.host.desk import desk
 
 
 def features(scan):

@@ -15,11 +15,11 @@ from grader.course.installed import why_not
 from grader.course.students import student_key
 from grader.course.submission import Submission, find_submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
 from grader.models.dataset import make_dataset
 from grader.models.expert import PUBLISHED
 from grader.models.features import features
 from grader.models.scans import PROFILE
+from rclpy_virtual_time.link.hosts import ForkServer
 
 EXERCISE = find_exercise("ml_velocity")
 KEYS = [student_key(b"a secret of a course", name, EXERCISE.slug) for name in ("ada", "bob")]

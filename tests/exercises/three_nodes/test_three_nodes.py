@@ -6,7 +6,7 @@ from pathlib import Path
 from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 
 YAML = """
 /shuttle/driver:

@@ -12,8 +12,8 @@ from grader.advice.deaths import (
     first_of,
     value_words,
 )
-from grader.host.wire import steady
 from grader.recording import death_of
+from rclpy_virtual_time.host.wire import steady
 
 PROGRAM = """
 class Evil:

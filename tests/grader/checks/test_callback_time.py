@@ -11,9 +11,9 @@ import pytest
 from grader.checks.verdict import CheckFailed, Inconclusive
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
-from grader.link.hosts import ForkServer
 from grader.recording import Compute, Recording
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario_files import load_scenario
 
 EXERCISE = find_exercise("obstacle_avoidance")

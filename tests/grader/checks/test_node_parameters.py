@@ -10,7 +10,7 @@ from grader.checks.parameters import ANSWERS, SETTER, orders
 from grader.course.submission import find_submission
 from grader.drive import drive_node
 from grader.drive.topics import topic_lines
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.messages import STRING, string
 from sim.scenario_files import load_scenario
 

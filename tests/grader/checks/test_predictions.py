@@ -19,9 +19,9 @@ from grader.checks.predictions import (
     speed_cases,
 )
 from grader.checks.verdict import CheckFailed
-from grader.link.log import LogLine
 from grader.models.files import probe
 from grader.recording import Inference, Scan
+from rclpy_virtual_time.link.log import LogLine
 from sim.scenario import Model, NodeSpec
 
 

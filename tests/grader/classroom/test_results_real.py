@@ -18,7 +18,7 @@ from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
 from grader.grading.withheld import shows_run
-from grader.link.hosts import ForkServer
+from rclpy_virtual_time.link.hosts import ForkServer
 
 pytestmark = pytest.mark.long
 

@@ -8,8 +8,8 @@ from node_runs import PREAMBLE, short
 
 from grader.course.submission import Submission
 from grader.drive import drive_node, print_summary
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
+from rclpy_virtual_time.link.hosts import ForkServer
 
 
 def drive_file(tmp_path: Path, forkserver: ForkServer, source: str, **options: object) -> Recording:

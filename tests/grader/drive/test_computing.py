@@ -7,8 +7,8 @@ import pytest
 from drives import drive_file, summary
 
 from grader.drive import print_summary
-from grader.link.hosts import ForkServer
 from grader.recording import costs_of
+from rclpy_virtual_time.link.hosts import ForkServer
 
 COMPUTES = """
 class Computes(Echo):

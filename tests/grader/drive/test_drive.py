@@ -23,9 +23,9 @@ from grader.drive import (
 )
 from grader.drive.summary import NO_MAIN
 from grader.errors import InputError
-from grader.host.frames import MAX_STDIN
-from grader.link.hosts import ForkServer
 from grader.recording import Outcome, Recording
+from rclpy_virtual_time.host.frames import MAX_STDIN
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario import Transforms
 from sim.scenario_files import load_scenario
 

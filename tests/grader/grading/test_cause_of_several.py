@@ -14,7 +14,7 @@ from grader.exercises.goal_seeking import causes
 from grader.exercises.goal_seeking.contract import Pose, Quest
 from grader.grading.causes import several
 from grader.grading.causes.several import _rows, cause_of_several, in_common, reason_in
-from grader.link.log import LogLine
+from rclpy_virtual_time.link.log import LogLine
 
 EXERCISE = find_exercise("trend_memory")
 RIGHT = (0.5, 0.15, 0.0, 0.5, 0.3, -0.2, 0.15, 0.0)

@@ -11,9 +11,9 @@ from grader.course.exercises import SOLUTIONS, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
 from grader.grading.praise import praise_of, remarks_on
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.trials import NodeTrials
+from rclpy_virtual_time.link.hosts import ForkServer
 
 FIRST = find_exercise("1")
 DRIVES = ["avoid_wall", "avoid_box_behind"]

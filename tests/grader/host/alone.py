@@ -7,7 +7,7 @@ import textwrap
 
 PREAMBLE = """
 import json, queue, sys, threading, time
-from grader.host.virtual import kernel as k, threads
+from rclpy_virtual_time.host.virtual import kernel as k, threads
 
 class Alone(k.World):
     '''A world with an event every 10 ms and nothing in it.'''

@@ -3,7 +3,7 @@
 from alone import run
 
 CHARGED = """
-    from grader.host.virtual import charge
+    from rclpy_virtual_time.host.virtual import charge
     cpu = 0
     charge.cpu_time_ns = lambda: cpu
     kernel.meter = charge.Meter()

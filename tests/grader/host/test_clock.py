@@ -176,7 +176,7 @@ def test_an_alarm_that_raises_ends_the_wait() -> None:
 CHANCE = """
     import os, random, secrets, uuid
     import numpy as np
-    from grader.host import randomness
+    from rclpy_virtual_time.host import randomness
     randomness.seed({seed})
     say(random.random(), random.Random().random(), random.SystemRandom().random(),
         np.random.rand(), np.random.default_rng().random(), np.random.RandomState(3).rand(),

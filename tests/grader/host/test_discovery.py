@@ -9,9 +9,9 @@ import pytest
 from node_runs import PREAMBLE, RunNode, short
 
 from grader.course.submission import Submission
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario import Discovery, Faults, ProgramSpec, Transforms
 
 HEAD = f"""{PREAMBLE}

@@ -8,8 +8,8 @@ from node_runs import RunNode, short
 
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
-from grader.link.hosts import ForkServer
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario_files import load_scenario
 
 SPIN = """

@@ -6,7 +6,7 @@ tests/attacks/test_fuzz.py damages frames for every decoder.
 import msgspec
 import pytest
 
-from grader.host.frames import (
+from rclpy_virtual_time.host.frames import (
     LENGTH,
     MAX_FRAME,
     MAX_NAME,

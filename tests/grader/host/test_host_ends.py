@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from node_runs import RunNode
 
-from grader.link.output import MAX_OUTPUT
 from grader.trial.virtual_time import Limits
+from rclpy_virtual_time.link.output import MAX_OUTPUT
 
 # --- how a program can end -----------------------------------------------------------------------
 

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from grader.host.frames import Ended, ProgramStart, Start
 from grader.launchers import ADVICE
-from grader.link.hosts import ForkServer
-from grader.link.pool import ForkServerPool
-from grader.link.practice import PracticeServer
 from rclpy_portable import unpacking
+from rclpy_virtual_time.host.frames import Ended, ProgramStart, Start
+from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time.link.pool import ForkServerPool
+from rclpy_virtual_time.link.practice import PracticeServer
 from sim.messages import EPOCH_NS
 
 LIMIT = 60.0  # [s]
@@ -53,7 +53,7 @@ REVIEWED = {
     "_thread:RLock lacks it",
     "_thread:lock has __annotations__ __dict__ __init__ __weakref__ kernel",
     "joblib.externals.loky.backend.resource_tracker:LokyRLock lacks __dict__",  # its base has one
-    "grader.host.virtual.descriptors:_polling.<locals>.Polling has it",  # select.poll, select.epoll
+    "rclpy_virtual_time.host.virtual.descriptors:_polling.<locals>.Polling has it",
     "select:epoll lacks it",
     "selectors:PollSelector has select",
     "abc:PopenSelector has it",  # subprocess takes PollSelector where there is select.poll

@@ -12,8 +12,8 @@ from geometry_msgs.msg import Point
 from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from grader.host import stand_ins
-from grader.host.interfaces import define, definitions
+from rclpy_virtual_time.host import stand_ins
+from rclpy_virtual_time.host.interfaces import define, definitions
 
 INNER = "string<=5 short\nbool yes true\nbyte one\nint64 big -9"
 OUTER = """

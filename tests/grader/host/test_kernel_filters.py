@@ -17,8 +17,8 @@ from pathlib import Path
 import pytest
 from children import error_of, in_child
 
-from grader.host.sandbox import kernel_filters as sandbox
-from grader.host.sandbox.kernel_filters import CALLS, MAP_GROWSDOWN, PRETENDED, X32_BIT
+from rclpy_virtual_time.host.sandbox import kernel_filters as sandbox
+from rclpy_virtual_time.host.sandbox.kernel_filters import CALLS, MAP_GROWSDOWN, PRETENDED, X32_BIT
 
 X86 = platform.machine() == "x86_64"
 COLUMN = 0 if X86 else 1

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from children import error_of, in_child
 
-from grader.host.sandbox import kernel_filters as sandbox
+from rclpy_virtual_time.host.sandbox import kernel_filters as sandbox
 
 libc = ctypes.CDLL(None, use_errno=True)
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from grader.course.submission import Submission
 from grader.drive import scenario_for
-from grader.link.hosts import ForkServer
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.messages import decode
 
 LATE = """

@@ -9,11 +9,11 @@ from node_runs import PREAMBLE, short
 
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission, find_submission
-from grader.host.frames import Note
-from grader.link.hosts import ForkServer
 from grader.recording import Outcome, growth_of
 from grader.trial.recorder import Recorder
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.host.frames import Note
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario import Discovery, Faults
 from sim.scenario_files import load_scenario
 from sim.simulation import Simulation

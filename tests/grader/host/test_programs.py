@@ -9,9 +9,9 @@ from node_runs import PREAMBLE, short
 
 from grader.course.submission import Package, Program, Submission
 from grader.launchers import fork_server
-from grader.link.hosts import ForkServer
 from grader.recording import Recording, ended_of
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario import ProgramSpec
 
 READS = "hypothesis.internal.observability"  # reads a clock when it is imported

@@ -9,14 +9,14 @@ DOCUMENT = Path(__file__).parents[3] / "docs" / "virtual-time.md"
 NAME = re.compile(r"`(rclpy(?:\.\w+)+)`")
 LISTING = """
 import sys, types
-from grader.host import forkserver, frames
-from grader.host.virtual import kernel as kernels, threads
+from rclpy_virtual_time.host import forkserver, frames
+from rclpy_virtual_time.host.virtual import kernel as kernels, threads
 kernel = kernels.Kernel(kernels.World())
 if {virtual}:
     threads.install(kernel, 10**18)
 import rclpy.action, rclpy.executors, rclpy.lifecycle, rclpy.node, rclpy.wait_for_message
-from grader.host.real_time import node as live
-from grader.host.virtual import bridge, discovery, executors, programs
+from rclpy_virtual_time.host.real_time import node as live
+from rclpy_virtual_time.host.virtual import bridge, discovery, executors, programs
 def names():
     found = {{}}
     for module in [m for n, m in sys.modules.items() if n.partition('.')[0] == 'rclpy']:

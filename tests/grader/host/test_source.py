@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.host.source import compiled
+from rclpy_virtual_time.host.source import compiled
 
 BOM = b"\xef\xbb\xbf"
 REFUSALS = (

@@ -19,11 +19,11 @@ from std_msgs.msg import Header
 
 from grader.course.submission import Submission
 from grader.drive import scenario_for
-from grader.host import stand_ins
-from grader.host.interfaces import native
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.host import stand_ins
+from rclpy_virtual_time.host.interfaces import native
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.messages import TF_MESSAGE, decode, encode
 
 SECOND = 10**9  # [ns]

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from grader.host.frames import EndpointReport
-from grader.host.real_time import node as live
-from grader.host.real_time.node import Vitals
+from rclpy_virtual_time.host.frames import EndpointReport
+from rclpy_virtual_time.host.real_time import node as live
+from rclpy_virtual_time.host.real_time.node import Vitals
 
 PUBLISHER = SimpleNamespace(topic_name="/cmd_vel", get_subscription_count=lambda: 1)
 SUBSCRIPTION = SimpleNamespace(topic_name="/scan", get_publisher_count=lambda: 1)

@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 from typing import IO
 
-from grader.link.cell import Refused
+from rclpy_virtual_time.link.cell import Refused
 
 
 def size(file: IO[bytes]) -> int:

@@ -15,7 +15,7 @@ import cell_works
 import pytest
 from ordinary import said_by_ordinary
 
-from grader.link.cell import MIB, Broken, Limits, Refused, read_in_cell
+from rclpy_virtual_time.link.cell import MIB, Broken, Limits, Refused, read_in_cell
 
 LIMITS = Limits(memory=128 * MIB, cpu=1, file=MIB // 2, answer=MIB)
 ENDS: dict[str, tuple[Callable[..., Any], tuple[Any, ...], Any, str]] = {
@@ -47,7 +47,7 @@ import json, sys, tempfile, os
 from pathlib import Path
 sys.path.insert(0, {here!r})
 import cell_works
-from grader.link.cell import Limits, read_in_cell
+from rclpy_virtual_time.link.cell import Limits, read_in_cell
 folder = Path(tempfile.mkdtemp())
 (folder / "room").mkdir()
 (folder / "secret").write_text("the course's secret")
@@ -83,7 +83,7 @@ import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background ignores it
 sys.path.insert(0, {here!r})
 import cell_works
-from grader.link.cell import Limits, read_in_cell
+from rclpy_virtual_time.link.cell import Limits, read_in_cell
 read_in_cell(cell_works.lie, returns=dict[str, list[int]])
 try:
     print("reading", flush=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from grader.launchers import why_no_class
-from grader.link import choice
-from grader.link.errors import NoRos
+from rclpy_virtual_time.link import choice
+from rclpy_virtual_time.link.errors import NoRos
 
 
 def no_ros() -> None:

@@ -12,12 +12,12 @@ from rich.console import Console
 from grader.cli import cli
 from grader.course.exercises import all_exercises
 from grader.grading.trying import imports_that_fail, why_none_runs
-from grader.host.frames import Hello
-from grader.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, USER
-from grader.link import doctor
-from grader.link.doctor import Diagnosis, Layer, diagnose, foreign_code_problem, gaps
 from grader.report import diagnosis
 from grader.report.diagnosis import render_diagnosis
+from rclpy_virtual_time.host.frames import Hello
+from rclpy_virtual_time.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, USER
+from rclpy_virtual_time.link import doctor
+from rclpy_virtual_time.link.doctor import Diagnosis, Layer, diagnose, foreign_code_problem, gaps
 
 
 def test_this_machine_can_run_nodes() -> None:

@@ -2,7 +2,7 @@
 
 import socket
 
-from grader.link.domains import DOMAINS, domains_in_use, own_domain
+from rclpy_virtual_time.link.domains import DOMAINS, domains_in_use, own_domain
 
 
 def test_no_two_trials_share_a_domain() -> None:

@@ -17,13 +17,13 @@ from ordinary import NOBODY, said_by_ordinary
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.errors import GraderError
-from grader.host.sandbox.layers import CALLS, LAYERS
-from grader.host.sandbox.users import USERS
 from grader.launchers import fork_server
-from grader.link import hosts
-from grader.link.hosts import ForkServer
-from grader.link.ros_environment import RosEnvironment
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.host.sandbox.layers import CALLS, LAYERS
+from rclpy_virtual_time.host.sandbox.users import USERS
+from rclpy_virtual_time.link import hosts
+from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time.link.ros_environment import RosEnvironment
 
 ECHO = "rclpy.init(); rclpy.spin(Echo())"
 root_only = pytest.mark.skipif(os.getuid() != 0, reason="only root can become another user")
@@ -250,8 +250,8 @@ ORDINARY = """
 import json, os, tempfile
 from pathlib import Path
 from node_runs import PREAMBLE, short
-from grader.host.sandbox.layers import CALLS, LAYERS
-from grader.link import hosts
+from rclpy_virtual_time.host.sandbox.layers import CALLS, LAYERS
+from rclpy_virtual_time.link import hosts
 from grader.launchers import fork_server
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
@@ -287,7 +287,10 @@ def test_root_who_can_be_nobody_else_can_grade() -> None:
     alone = ["unshare", "--map-root-user"]
     if shutil.which("unshare") is None or subprocess.run([*alone, "true"], check=False).returncode:
         pytest.skip("no user namespaces here")
-    script = "import os; from grader.host.sandbox import users; print(os.getuid(), users.is_root())"
+    script = (
+        "import os; from rclpy_virtual_time.host.sandbox import users;"
+        "print(os.getuid(), users.is_root())"
+    )
     said = subprocess.run([*alone, sys.executable, "-c", script], check=True, capture_output=True)
     assert said.stdout.split() == [b"0", b"False"]
     exercise = find_exercise("obstacle_avoidance")

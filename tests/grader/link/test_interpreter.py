@@ -11,8 +11,8 @@ from node_runs import short
 from grader.course.exercises import ROOT
 from grader.course.submission import Submission
 from grader.launchers import fork_server
-from grader.link.interpreter import left_out, library_folders, with_needs
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.interpreter import left_out, library_folders, with_needs
 
 
 def mapped() -> Path:

@@ -11,7 +11,7 @@ from fake_host import FakeHost, frame, settled, talking, write_all
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grader.host.frames import (
+from rclpy_virtual_time.host.frames import (
     LENGTH,
     MARK,
     MAX_FRAME,
@@ -23,11 +23,11 @@ from grader.host.frames import (
     Start,
     encode,
 )
-from grader.link import pipes
-from grader.link.exchange import MAX_REASON, HostDied, HostForged, HostHung
-from grader.link.link import Link
-from grader.link.output import MAX_LINES, MAX_OUTPUT, Output
-from grader.link.pipes import Pipes
+from rclpy_virtual_time.link import pipes
+from rclpy_virtual_time.link.exchange import MAX_REASON, HostDied, HostForged, HostHung
+from rclpy_virtual_time.link.link import Link
+from rclpy_virtual_time.link.output import MAX_LINES, MAX_OUTPUT, Output
+from rclpy_virtual_time.link.pipes import Pipes
 
 START = Start(programs=(ProgramStart("agent.py"),), epoch=0, seed=1, offers=())
 LIMIT = 20.0  # [s] for answers that come

@@ -11,11 +11,11 @@ from grader.course.exercises import ROOT
 from grader.course.submission import find_submission
 from grader.drive import drive_node, scenario_for
 from grader.errors import GraderError
-from grader.host.frames import Ended, ProgramStart, Run, Settled, Start
-from grader.link import practice
-from grader.link.exchange import HostDied, HostForged, HostHung
-from grader.link.practice import PracticeServer
 from grader.trial.trials import NodeTrials
+from rclpy_virtual_time.host.frames import Ended, ProgramStart, Run, Settled, Start
+from rclpy_virtual_time.link import practice
+from rclpy_virtual_time.link.exchange import HostDied, HostForged, HostHung
+from rclpy_virtual_time.link.practice import PracticeServer
 from sim.messages import EPOCH_NS
 from sim.scenario_files import load_scenario
 

@@ -10,16 +10,22 @@ from pathlib import Path
 
 import pytest
 
-from grader.link import real_clock
+from rclpy_virtual_time.link import real_clock
 
 ROOT = Path(__file__).resolve().parents[3]
-ROOMS = ("trial", "link", "grading", "models", "recording")
+ROOMS = (
+    "grader/trial",
+    "rclpy_virtual_time/link",
+    "grader/grading",
+    "grader/models",
+    "grader/recording",
+)
 CLOCKS = {"time", "datetime"}
 VIRTUAL = """
 import os, time
-from grader.link import real_clock
-from grader.host.virtual import threads
-from grader.host.virtual.kernel import Kernel
+from rclpy_virtual_time.link import real_clock
+from rclpy_virtual_time.host.virtual import threads
+from rclpy_virtual_time.host.virtual.kernel import Kernel
 
 began = time.monotonic()
 threads.install(Kernel(), 0)
@@ -37,9 +43,9 @@ os._exit(0)
 
 @pytest.mark.parametrize("room", ROOMS)
 def test_a_judges_room_reads_no_other_clock(room: str) -> None:
-    files = sorted((ROOT / "grader" / room).rglob("*.py"))
+    files = sorted((ROOT / room).rglob("*.py"))
     assert [f"{room}/{file.name}" for file in files if _imported(file) & CLOCKS] == (
-        ["link/real_clock.py"] if room == "link" else []
+        ["rclpy_virtual_time/link/real_clock.py"] if room == "rclpy_virtual_time/link" else []
     )
 
 

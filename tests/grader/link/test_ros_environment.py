@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from grader.link.errors import NoRos
-from grader.link.ros_environment import find_ros
+from rclpy_virtual_time.link.errors import NoRos
+from rclpy_virtual_time.link.ros_environment import find_ros
 
 VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
 

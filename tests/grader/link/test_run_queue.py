@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.link.run_queue import RunQueue, is_ready
+from rclpy_virtual_time.link.run_queue import RunQueue, is_ready
 
 PATIENCE = 0.02
 

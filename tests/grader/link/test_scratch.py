@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.link import scratch
+from rclpy_virtual_time.link import scratch
 
 
 @pytest.fixture

@@ -10,10 +10,10 @@ import pytest
 from rich.console import Console
 
 from grader.course.installed import never_run
-from grader.link import system
-from grader.link.errors import NoRos
-from grader.link.ros_environment import find_ros
 from grader.report.diagnosis import render_practice
+from rclpy_virtual_time.link import system
+from rclpy_virtual_time.link.errors import NoRos
+from rclpy_virtual_time.link.ros_environment import find_ros
 
 TRIED = ("linux", "x86_64")
 UNTRIED = [("darwin", "arm64"), ("darwin", "x86_64"), ("win32", "AMD64"), ("linux", "aarch64")]

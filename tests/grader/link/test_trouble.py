@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from grader.host.sandbox.layers import LAYERS, MOUNTS
-from grader.link import trouble as room
-from grader.link.trouble import trouble
+from rclpy_virtual_time.host.sandbox.layers import LAYERS, MOUNTS
+from rclpy_virtual_time.link import trouble as room
+from rclpy_virtual_time.link.trouble import trouble
 
 WITHOUT_MOUNTS = [layer for layer in LAYERS if layer != MOUNTS]
 

@@ -15,13 +15,13 @@ from ordinary import OUT_OF_REACH, ROOT, run_as_ordinary, said_by_ordinary
 
 from grader.course.submission import Submission
 from grader.errors import GraderError
-from grader.host.sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES
-from grader.host.sandbox.layers import MOUNTS
-from grader.link.hosts import ForkServer
-from grader.link.scratch import fresh_folder
-from grader.link.workplace import Excess, check_folder
 from grader.recording import Recording
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.host.sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES
+from rclpy_virtual_time.host.sandbox.layers import MOUNTS
+from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time.link.scratch import fresh_folder
+from rclpy_virtual_time.link.workplace import Excess, check_folder
 
 LONG = functools.partial(pytest.param, marks=pytest.mark.long)
 SPIN = "\nrclpy.init(); rclpy.spin(Echo())\n"
@@ -209,10 +209,10 @@ for _ in range(100): libc.usleep(999999)
 WAITING = """
 import sys
 from pathlib import Path
-from grader.host.frames import Start
+from rclpy_virtual_time.host.frames import Start
 from grader.launchers import fork_server
-from grader.link.link import Link
-from grader.link.pipes import Pipes
+from rclpy_virtual_time.link.link import Link
+from rclpy_virtual_time.link.pipes import Pipes
 from grader.trial.staging import stage
 from grader.course.submission import Submission
 from sim.messages import EPOCH_NS

@@ -3,11 +3,11 @@
 import msgspec
 import pytest
 
-from grader.host import frames
-from grader.host.frames import MAX_QUESTIONS
 from grader.hosted.questions import Question, Told
 from grader.models.partners import NEVER, SERVICE
 from grader.models.service import ModelService, TooManyQuestions
+from rclpy_virtual_time.host import frames
+from rclpy_virtual_time.host.frames import MAX_QUESTIONS
 from sim.scenario import Scenario
 from sim.scenario_files import load_scenario
 

@@ -11,12 +11,12 @@ import pytest
 from msgspec.structs import replace
 
 from grader.errors import GraderError
-from grader.host import frames
-from grader.host.desk import desk
 from grader.hosted.questions import MAX_ROWS, Question, Told
 from grader.hosted.supplied import kept
 from grader.models.files import is_kept, probe, write_models
 from grader.models.service import IN_START_UP, MOST, MOST_ROWS, ModelService, TooManyQuestions
+from rclpy_virtual_time.host import frames
+from rclpy_virtual_time.host.desk import desk
 from sim.messages import Message, laser_scan
 from sim.scenario import Model, Scenario
 from sim.scenario_files import load_scenario

@@ -6,9 +6,9 @@ import msgspec
 import pytest
 
 from grader.course.submission import Submission
-from grader.link.hosts import ForkServer
 from grader.recording import Recording, bag
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario import ScriptEvent
 from sim.scenario_files import load_scenario
 

@@ -12,9 +12,9 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 
 from grader.course.submission import Submission
-from grader.link.log import LogLine
 from grader.recording import Compute, Inference, Outcome, Recording, bag
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.log import LogLine
 from sim.messages import EPOCH_NS, Message, decode, typestore
 
 TEXT = "".join(map(chr, [*range(0x180), 0x2028, 0x202E, 0xFFFF, 0x1F600]))  # all that is odd

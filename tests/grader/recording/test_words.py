@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-from grader.link.log import LogLine
 from grader.recording import Outcome, Recording
 from grader.recording.words import told_lines, words_of
 from grader.trial.endings import not_run
+from rclpy_virtual_time.link.log import LogLine
 from sim.messages import Message, encode, typestore
 from sim.scenario_files import load_scenario
 from sim.simulation import Simulation

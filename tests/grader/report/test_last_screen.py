@@ -8,9 +8,9 @@ import pytest
 from grader.course.exercises import SOLUTIONS, find_exercise
 from grader.course.submission import Submission
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
 from grader.report.facts import seen_of
 from grader.report.terminal import ROWS, Console, render_terminal
+from rclpy_virtual_time.link.hosts import ForkServer
 
 EXERCISE = find_exercise("obstacle_avoidance")
 REFERENCE = (SOLUTIONS / EXERCISE.slug / EXERCISE.files[0]).read_text("utf-8")

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.link.log import LogLine
 from grader.recording import Outcome, Recording
 from grader.report.page import page_html, page_payload
 from grader.report.replay import (
@@ -22,6 +21,7 @@ from grader.report.replay import (
     moments_of,
     replay_payload,
 )
+from rclpy_virtual_time.link.log import LogLine
 from sim.messages import pose_stamped, twist
 from sim.scenario_files import scenario_from_toml
 from sim.simulation import Simulation

@@ -1,6 +1,6 @@
 """Tests in virtual time: the fixture, its world, and how such a test can end.
 
-grader/testing/virtual_time and grader/host/testing (alone, session, world) are tested here.
+rclpy_virtual_time/testing/virtual_time.py and host/testing (alone, session, world) are tested here.
 """
 
 from __future__ import annotations
@@ -310,7 +310,7 @@ def test_what_is_wrong_is_said(wrong: Session, name: str) -> None:
     result = wrong.tests[f"test_wrong.test_{name}"]
     assert result.outcome in ("failed", "error"), wrong.output
     assert SAID[name] in result.text
-    assert "grader/host" not in result.text
+    assert "rclpy_virtual_time/host" not in result.text
 
 
 @pytest.mark.long
@@ -323,7 +323,10 @@ def test_what_was_printed_and_the_line_that_waits_are_shown(wrong: Session) -> N
 
 @pytest.mark.long
 def test_a_file_that_only_breaks_in_the_other_process(tmp_path: Path) -> None:
-    lines = ["import os, sys", "if 'grader.host.program' in sys.modules: raise OSError('not here')"]
+    lines = [
+        "import os, sys",
+        "if 'rclpy_virtual_time.host.program' in sys.modules: raise OSError('not here')",
+    ]
     write(tmp_path, test_it="\n".join([*lines, "def test_it(virtual_time): pass"]))
     session = pytest_in(tmp_path)
     assert session.outcomes() == {"test_it.test_it": "failed"}

@@ -8,9 +8,9 @@ import pytest
 from node_runs import PREAMBLE, short
 
 from grader.course.submission import Submission
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.real_time import run_live_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario import Scenario
 
 RunLive = Callable[..., Recording]

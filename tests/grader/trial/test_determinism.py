@@ -12,8 +12,8 @@ from node_runs import PREAMBLE, short
 
 from grader.course.exercises import SOLUTIONS
 from grader.course.submission import Submission
-from grader.link.hosts import ForkServer
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario import Scenario
 from sim.scenario_files import load_scenario
 

@@ -10,7 +10,10 @@ from fake_host import FakeHost, frame, settled
 from node_runs import short
 
 from grader.course.submission import Submission
-from grader.host.frames import (
+from grader.recording import Recording
+from grader.trial import recorder, virtual_time
+from grader.trial.virtual_time import Limits, run_trial
+from rclpy_virtual_time.host.frames import (
     MAX_NAME,
     MAX_PUBLISHED,
     Ended,
@@ -19,12 +22,9 @@ from grader.host.frames import (
     Slept,
     encode,
 )
-from grader.link import pipes
-from grader.link.link import Link
-from grader.link.pipes import Pipes
-from grader.recording import Recording
-from grader.trial import recorder, virtual_time
-from grader.trial.virtual_time import Limits, run_trial
+from rclpy_virtual_time.link import pipes
+from rclpy_virtual_time.link.link import Link
+from rclpy_virtual_time.link.pipes import Pipes
 from sim.messages import TWIST, twist
 
 SCANS = [13_000_000 + i * 100_000_000 for i in range(10)]  # [ns] when the lidar of `short` sends

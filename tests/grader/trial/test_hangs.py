@@ -33,7 +33,7 @@ class Agent:
 """
 CALLBACK = """\
 Thread 0x01 (most recent call first):
-  File "/opt/grader/host/virtual/kernel.py", line 9 in park
+  File "/opt/rclpy_virtual_time/host/virtual/kernel.py", line 9 in park
   File "agent.py", line 3 in near
 
 Current thread 0x02 (most recent call first):

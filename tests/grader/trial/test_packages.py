@@ -11,11 +11,11 @@ from node_runs import short
 
 from grader.course.submission import Program, Submission, find_submission
 from grader.errors import InputError
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.kept import KeptRecordings
 from grader.trial.packages import unpacked
 from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario import NodeSpec, ProgramSpec
 
 

@@ -11,12 +11,12 @@ import pytest
 from node_runs import PREAMBLE, short
 
 from grader.course.submission import Package, Program, Submission
-from grader.host.real_time.robot import _moment
-from grader.host.robot_ends import Heard
-from grader.link.hosts import ForkServer
 from grader.recording import Recording, bag, ended_of
 from grader.trial.real_time import run_live_trial
 from grader.trial.real_time_hosts import LiveHosts
+from rclpy_virtual_time.host.real_time.robot import _moment
+from rclpy_virtual_time.host.robot_ends import Heard
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.messages import EPOCH_NS, STRING, decode
 from sim.scenario import ProgramSpec
 

@@ -14,11 +14,11 @@ from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.errors import GraderError
 from grader.grading.grading import grade_submission
-from grader.link.hosts import ForkServer
 from grader.recording import Recording
 from grader.trial.real_time import _LiveTrial
 from grader.trial.trials import NodeTrials
 from grader.trial.virtual_time import Limits
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.messages import Message
 
 RunLive = Callable[..., Recording]

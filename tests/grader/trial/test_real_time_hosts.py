@@ -7,8 +7,11 @@ import msgspec
 import pytest
 
 from grader.errors import GraderError
-from grader.host.frames import LENGTH as HEAD
-from grader.host.frames import (
+from grader.models.service import ModelService
+from grader.trial.real_time_hosts import LiveHosts
+from grader.trial.recorder import Flood
+from rclpy_virtual_time.host.frames import LENGTH as HEAD
+from rclpy_virtual_time.host.frames import (
     MAX_CONNECTED,
     MAX_PUBLISHED,
     Delivery,
@@ -19,10 +22,7 @@ from grader.host.frames import (
     decode_from_live,
     encode,
 )
-from grader.link.exchange import HostDied, HostHung
-from grader.models.service import ModelService
-from grader.trial.real_time_hosts import LiveHosts
-from grader.trial.recorder import Flood
+from rclpy_virtual_time.link.exchange import HostDied, HostHung
 from sim.scenario_files import load_scenario
 
 BEGUN = 1_700_000_000_000_000_000  # [ns]

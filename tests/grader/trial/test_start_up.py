@@ -61,4 +61,4 @@ def test_tracebacks_show_no_frames_of_the_grader(run_node: RunNode) -> None:
     assert outcome.kind == "exception"
     assert outcome.detail.count("Traceback (most recent call last)") == 2
     assert "rclpy/context.py" in outcome.detail
-    assert "grader/host" not in outcome.detail
+    assert "rclpy_virtual_time/host" not in outcome.detail

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from grader.course.submission import find_submission
-from grader.link.hosts import ForkServer
 from grader.recording import bag
 from grader.trial.training import Trained, run_training
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario import Scenario
 from sim.scenario_files import scenario_from_toml
 

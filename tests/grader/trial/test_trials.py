@@ -10,12 +10,12 @@ from grader.course import installed
 from grader.course.exercises import SOLUTIONS, find_exercise
 from grader.course.submission import Submission, find_submission
 from grader.grading.grading import grade, grade_submission
-from grader.link.hosts import ForkServer
 from grader.trial import trials as trials_module
 from grader.trial.progress import CHECK, TRIAL, Step
 from grader.trial.seeds import trial_seed
 from grader.trial.trials import NodeTrials, TrialFault
 from grader.trial.virtual_time import Limits
+from rclpy_virtual_time.link.hosts import ForkServer
 from sim import simulation
 from sim.robot import Robot
 from sim.scenario_files import load_scenario

@@ -9,10 +9,10 @@ from msgspec.structs import replace
 from node_runs import RunNode, short
 
 from grader.course.submission import Submission
-from grader.link import pipes
 from grader.recording import Recording
 from grader.trial import virtual_time as trial_module
 from grader.trial.virtual_time import Limits, run_trial
+from rclpy_virtual_time.link import pipes
 from sim.messages import TWIST_STAMPED
 
 NO_TIME = Limits(total=1e-9)  # [s]

@@ -1,0 +1,1 @@
+"""Run unchanged rclpy programs in virtual time: isolated, deterministic, recorded at the edge."""

@@ -1,0 +1,35 @@
+"""What starts hosts, as the rest of the grader sees it: with Linux's means, or without.
+
+`hosts` has Linux's: a fork server and layers of isolation. `practice` needs nothing but Python.
+"""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Protocol
+
+from rclpy_virtual_time.link.link import Link
+from rclpy_virtual_time.link.workplace import Workplace
+
+
+class Launcher(Protocol):
+    """Starts hosts."""
+
+    @property
+    def isolation(self) -> str:
+        """What stands between students' code and this machine."""
+
+    @property
+    def practice(self) -> str:
+        """Why a grading made here is for practice only; "" if it isn't."""
+
+    @property
+    def workshop(self) -> Launcher:
+        """The launcher of hosts for scripts that goes with this one."""
+
+    def workplace(self, folder: Path) -> AbstractContextManager[Workplace]:
+        """Make a folder one that several hosts work in, one after another."""
+
+    def host(self, place: Path | Workplace) -> AbstractContextManager[Link]:
+        """Start a host that works in a folder; it is dead when the block ends."""

@@ -1,0 +1,138 @@
+"""The judge's end of the link: frames to and from one host, in turns.
+
+Everything that comes from the host is hostile: sizes are checked before anything is read, frames
+are decoded into fixed structures, text is capped, and nothing makes the judge wait for ever.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from typing import Protocol, TypeVar
+
+import msgspec
+
+from rclpy_virtual_time.host.frames import (
+    Carried,
+    Ended,
+    FromScript,
+    Run,
+    Script,
+    Start,
+    Task,
+    ToHost,
+    ToJudge,
+    decode_from_script,
+    decode_to_judge,
+    encode,
+)
+from rclpy_virtual_time.link.exchange import Answer, Cost, HostForged, decoded
+from rclpy_virtual_time.link.log import LogLine
+from rclpy_virtual_time.link.output import Output
+
+READ_EVERY = 16  # exchanges: what the host has printed
+
+Result = TypeVar("Result")
+# Yields what to send and the wall time for the answer [s]; gets the answer and what it cost.
+Conversation = Generator[tuple[Start | Run, float], tuple[ToJudge, Cost], Result]
+
+
+class Transport(Protocol):
+    """How bytes come to one host and back: Linux's pipes, or a process on any system."""
+
+    stdout: Output
+    stderr: Output
+
+    def expect_silence(self) -> None:
+        """Make sure, before a question, that the host has not answered; it raises as `exchange`."""
+
+    def exchange(self, data: bytes, limit: float) -> tuple[bytes, Cost]:
+        """Send a frame; return the body of the answer, after `limit` [s] of wall time at most.
+
+        Raises
+        ------
+        HostDied, HostHung, HostForged, Excess
+            The process ended, did not answer in time, sent nonsense, or took too much.
+        """
+
+    def read_output(self) -> None:
+        """Take in what it has printed."""
+
+    def log(self) -> tuple[LogLine, ...]:
+        """Return what it has printed so far, in order of time."""
+
+    def stacks(self) -> str:
+        """Return where its threads are; "" where that can't be told."""
+
+    def wait(self, patience: float = 0.0) -> str:
+        """Wait for its end, for `patience` [s]; return its exit status."""
+
+
+class Link:
+    """Frames to and from one host, in turns: it answers each question once."""
+
+    def __init__(self, host: Transport) -> None:
+        self._host = host
+        self._exchanges = 0
+        self.stdout, self.stderr = host.stdout, host.stderr
+        self.log, self.stacks, self.wait = host.log, host.stacks, host.wait
+
+    def converse(self, conversation: Conversation[Result]) -> Result:
+        """Hold a conversation to its end; return what it returns.
+
+        What `run` raises is raised in it, where it waits for the answer. An end that can't wait
+        for its host, because it shares its thread, holds conversations in its own way.
+        """
+        try:
+            question = next(conversation)
+            while True:
+                try:
+                    answer = self.run(*question)
+                except Exception as error:
+                    question = conversation.throw(error)
+                else:
+                    question = conversation.send(answer)
+        except StopIteration as end:
+            result: Result = end.value
+            return result
+
+    def run(self, frame: Start | Run, limit: float) -> tuple[ToJudge, Cost]:
+        """Run the student's file up to the point where it waits, or let the node go on.
+
+        It raises as `Transport.exchange` does; limit [s] is of wall time.
+        """
+        return self._exchange(frame, limit, decode_to_judge)
+
+    def run_script(self, script: Script, limit: float) -> tuple[Ended, Cost]:
+        """Run a program that returns, in real time; it raises as `run` does."""
+        answer, cost = self._exchange(script, limit, decode_from_script)
+        if not isinstance(answer, Ended):
+            raise HostForged("an answer to another order")
+        return answer, cost
+
+    def carry_out(
+        self, function: str, order: msgspec.Struct, answer: type[Answer], limit: float
+    ) -> tuple[Answer, Cost]:
+        """Have a function of a module carry out an order; return its answer.
+
+        Its launcher has to have imported the module ("module:function"), as one of its libraries.
+        It raises as `run` does.
+        """
+        task = Task(function, msgspec.msgpack.encode(order))
+        said, cost = self._carry_out(task, limit)
+        if not isinstance(said, Carried):
+            raise HostForged("an answer to another order")
+        return decoded(said.data, msgspec.msgpack.Decoder(answer).decode), cost
+
+    def _carry_out(self, task: Task, limit: float) -> tuple[FromScript, Cost]:
+        return self._exchange(task, limit, decode_from_script)
+
+    def _exchange(
+        self, frame: ToHost, limit: float, decode: Callable[[bytes], Answer]
+    ) -> tuple[Answer, Cost]:
+        self._host.expect_silence()
+        self.stdout.limit = self.stderr.limit = frame.until if isinstance(frame, Run) else 0
+        body, cost = self._host.exchange(encode(frame), limit)
+        self._exchanges += 1
+        if self._exchanges % READ_EVERY == 0:
+            self._host.read_output()
+        return decoded(body, decode), cost

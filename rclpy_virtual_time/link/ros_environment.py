@@ -1,0 +1,158 @@
+"""Find the real ROS 2 on this machine and describe the environment in which Python can import it.
+
+Three layouts are known: apt's ROS 2 that has been sourced; the wheels in the interpreter's own
+site-packages (a venv, conda); and the wheels under a Debian or Ubuntu system Python, where pip puts
+them in `/usr/local/lib/pythonX.Y/site-packages`, which is not on `sys.path`.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import site
+import sys
+import sysconfig
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from rclpy_portable import unpacking
+from rclpy_portable.wheels import DownloadFailed
+from rclpy_virtual_time.link import system
+from rclpy_virtual_time.link.errors import NoRos
+
+DISTRO = "jazzy"
+RCLPY = "7.1"  # Jazzy's, whose names virtual time replaces (rclpy_virtual_time/host/virtual)
+PORTABLE = "portable"  # a kind of environment
+HOW_TO_INSTALL = (
+    "install the wheels with `pip install '.[ros]'`, or source /opt/ros/jazzy/setup.bash"
+)
+NO_WHEELS = "there are no wheels of it for"
+# its stamps are those of the machine, as the stamps of DDS are
+PORTABLE_PRELUDE = (
+    "import _time_machine, rclpy_portable.native.machine as machine;"
+    "machine.use_clock(_time_machine.original_time_ns)"
+)
+
+
+@dataclass(frozen=True)
+class RosEnvironment:
+    """Where ROS is and what a child process needs to import it."""
+
+    kind: str  # "apt", "wheels", "system wheels" or "portable"
+    python_path: tuple[Path, ...]  # folders to add to sys.path
+    library_path: tuple[Path, ...]  # folders of shared libraries
+    prefixes: tuple[Path, ...]  # AMENT_PREFIX_PATH
+    prelude: str = ""  # Python that a host runs before virtual time is put under its clocks
+
+    def variables(self) -> dict[str, str]:
+        """Return the environment variables of a process that imports rclpy."""
+        return {
+            "AMENT_PREFIX_PATH": os.pathsep.join(map(str, self.prefixes)),
+            "LD_LIBRARY_PATH": os.pathsep.join(map(str, self.library_path)),
+            "ROS_DISTRO": DISTRO,
+            # The wheels' start-up hook would execute Python a second time to set these.
+            "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1",
+        }
+
+
+def portable_ros() -> RosEnvironment:
+    """Return the environment of the portable runtime, which needs no ROS (rclpy_portable).
+
+    Raises
+    ------
+    NoRos
+        rclpy's Python has to be fetched for it, and can't be.
+    """
+    try:
+        folder = unpacking.folder(_tell)
+    except DownloadFailed as error:
+        raise NoRos(str(error)) from error
+    return RosEnvironment(PORTABLE, (folder,), (), (), PORTABLE_PRELUDE)
+
+
+def _tell(text: str) -> None:
+    print(f"course: {text}", file=sys.stderr)
+
+
+def find_ros(
+    environ: dict[str, str] | None = None, folders: Iterable[Path] | None = None
+) -> RosEnvironment:
+    """Return the ROS 2 installation of this machine.
+
+    Parameters
+    ----------
+    environ
+        Environment variables to look at; the process's own by default.
+    folders
+        Folders in which the wheels may lie; by default those of this interpreter.
+
+    Raises
+    ------
+    NoRos
+        There is none, or only another one; the message says how to install it.
+    """
+    variables = dict(os.environ) if environ is None else environ
+    folders = list(_site_folders() if folders is None else folders)
+    found = [ros for ros in (_from_apt(variables), _from_wheels(folders)) if ros is not None]
+    versions = [_version(ros.python_path) for ros in found]
+    for ros, version in zip(found, versions, strict=True):
+        if version == RCLPY:
+            return ros
+    others = "".join(
+        f" (the one in {ros.prefixes[0]} has rclpy {version}, and this is made for {RCLPY})"
+        for ros, version in zip(found, versions, strict=True)
+    )
+    advice = HOW_TO_INSTALL if system.has_ros_wheels() else f"{NO_WHEELS} {system.name()}"
+    raise NoRos(f"ROS 2 {DISTRO.capitalize()} was not found{others}: {advice}")
+
+
+def _version(folders: Iterable[Path]) -> str:
+    """Return the version of the first rclpy in these folders, as in "7.1"; "?" if it says none."""
+    folder = next(folder for folder in folders if _has_rclpy(folder))
+    names = " ".join(path.name for path in folder.glob("rclpy-*-info"))
+    said = re.search(r"rclpy-(\d+\.\d+)", names)
+    return said[1] if said else "?"
+
+
+def _from_apt(environ: dict[str, str]) -> RosEnvironment | None:
+    prefixes = [Path(p) for p in environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
+    paths = [Path(p) for p in environ.get("PYTHONPATH", "").split(os.pathsep) if p]
+    if not prefixes or not any(_has_rclpy(path) for path in paths):
+        return None
+    libraries = [Path(p) for p in environ.get("LD_LIBRARY_PATH", "").split(os.pathsep) if p]
+    return RosEnvironment("apt", tuple(paths), tuple(libraries), tuple(prefixes))
+
+
+def _from_wheels(folders: Iterable[Path]) -> RosEnvironment | None:
+    for folder in folders:
+        # Debian's pip splits a wheel: its bundled libraries go to dist-packages next door
+        bundled = sorted(folder.parent.glob("*-packages/ros_*.libs"))
+        if not bundled or not _has_rclpy(folder):
+            continue
+        prefix = folder.parents[2]  # PREFIX/lib/pythonX.Y/site-packages
+        kind = "wheels" if str(folder) in sys.path else "system wheels"
+        return RosEnvironment(kind, (folder,), (*bundled, prefix / "lib"), (prefix,))
+    return None
+
+
+def _has_rclpy(folder: Path) -> bool:
+    """Return whether this Python can import rclpy from the folder."""
+    if not (folder / "rclpy" / "__init__.py").is_file():
+        return False  # `dist-packages/rclpy` of the Debian layout is an empty shell
+    version = f"{sys.version_info.major}{sys.version_info.minor}"
+    return any((folder / "rclpy").glob(f"_rclpy_pybind11.cpython-{version}-*.so"))
+
+
+def _site_folders() -> list[Path]:
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    candidates = [
+        sysconfig.get_path("purelib"),
+        sysconfig.get_path("platlib"),
+        *site.getsitepackages(),
+        f"{sys.prefix}/lib/{version}/site-packages",
+        f"{sys.prefix}/local/lib/{version}/site-packages",
+        f"/usr/local/lib/{version}/site-packages",
+        site.getusersitepackages(),
+    ]
+    return list(dict.fromkeys(Path(candidate) for candidate in candidates))

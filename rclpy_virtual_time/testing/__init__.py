@@ -1,0 +1,1 @@
+"""The fixture `virtual_time` of pytest."""

@@ -1,0 +1,68 @@
+"""The plug-in that pytest loads where the engine is installed: the fixture `virtual_time`.
+
+A test that asks for it runs, as a whole, in another process (see `virtual_time.py` beside this
+file). Nothing is started before a test asks, and little is imported: every run of pytest loads
+this.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from rclpy_virtual_time.testing.virtual_time import TestHosts
+
+PROCESSES = "virtual-time-processes"
+HOST = "course-host"  # the plug-in of a pytest that runs in virtual time already
+FIXTURE = MARK = "virtual_time"
+MARKER = (
+    "virtual_time(limit=60.0, patience=120.0): run this test in virtual time, as the fixture does. "
+    "limit: virtual seconds that it may take; patience: seconds of real time."
+)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Offer the fixture, unless this is a host that runs one test in virtual time."""
+    config.addinivalue_line("markers", MARKER)
+    if not config.pluginmanager.has_plugin(HOST):
+        config.pluginmanager.register(Processes(), PROCESSES)
+
+
+@pytest.fixture
+def virtual_time() -> None:
+    """Run this test in virtual time: `with virtual_time() as world:`."""
+    pytest.fail("virtual_time is for tests that pytest itself runs", pytrace=False)
+
+
+class Processes:
+    """The process behind the fixture; it starts when a test first asks."""
+
+    def __init__(self) -> None:
+        self._hosts: TestHosts | None = None
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtest_protocol(
+        self, item: pytest.Item, nextitem: pytest.Item | None
+    ) -> bool | None:
+        """Run a test that wants virtual time in a process of its own."""
+        if FIXTURE not in getattr(item, "fixturenames", ()) and not item.get_closest_marker(MARK):
+            return None
+        from rclpy_virtual_time.link.choice import why_not_linux  # noqa: PLC0415
+
+        if reason := why_not_linux():
+            item.add_marker(pytest.mark.skip(reason=f"virtual_time needs the real rclpy: {reason}"))
+            return None
+        if self._hosts is None:
+            from rclpy_virtual_time.testing.virtual_time import TestHosts  # noqa: PLC0415
+
+            self._hosts = TestHosts()
+        self._hosts.run(item)
+        item.session._setupstate.teardown_exact(nextitem)  # of fixtures that this module's had
+        return True
+
+    def pytest_unconfigure(self) -> None:
+        """End the process."""
+        if self._hosts is not None:
+            self._hosts.close()
