@@ -49,7 +49,7 @@ WEB = (
 # The rooms of the course that a page needs
 COURSE = re.compile(
     r"sim/(?!live/|launch/|setup|__main__)|rclpy_portable/|exercises/\w+/exercise\.toml$"
-    r"|workspace/(runtime|stacks|stand_ins/)"
+    r"|workspace/(runtime|stacks)"
     r"|grader/(?!authoring|classroom|drive/(search/|mishaps)|lms"
     r"|nbgrader|notebook|testing|models/expert|trial/real_time|course/(skeletons|begin|generated)"
     r"|grading/(attempts|best|handed_in|withheld)|cli/(batch|waiting)"
@@ -58,6 +58,9 @@ COURSE = re.compile(
     r"|link/(doctor|domains|host_process|hosts|locks|pipes|pool|run_queue|shared_memory)\."
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
+PAGE_PACKAGES = "workspace/page_packages"  # there, in the page, beside runtime.py
+# Missing in a browser; imported, never called, in the page
+GAPS = ("_multiprocessing", "_posixshmem", "fcntl", "grp", "pwd", "resource", "termios")
 FILES = re.compile(r"\.(py|toml|js|css|html)$|NOTICE$")
 # What is run from its source, or quoted in a node's traceback
 SOURCES = r"^rclpy_portable/_ros/rclpy/|^grader/exercises/|^grader/hosted/supplied/"
@@ -262,6 +265,15 @@ def _course() -> dict[str, bytes]:
             name = path.relative_to(ROOT).as_posix()
             if path.is_file() and COURSE.match(name) and FILES.search(name):
                 found[name] = path.read_bytes()
+    return found | page_packages()
+
+
+def page_packages() -> dict[str, bytes]:
+    """Return the files that stand in for packages; in git they don't bear the packages' names."""
+    found = {f"{PAGE_PACKAGES}/gaps/{name}.py": b"" for name in GAPS}
+    for path in sorted((ROOT / PAGE_PACKAGES).rglob("*.py")):
+        name = path.relative_to(ROOT).as_posix()
+        found[re.sub(r"_subset(?=[./])", "", name)] = path.read_bytes()
     return found
 
 
@@ -293,11 +305,16 @@ def _compiled(
     """Make a folder with files, their Python compiled for the place where they will lie."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for file, content in files.items():
-            (folder / file).parent.mkdir(parents=True, exist_ok=True)
-            (folder / file).write_bytes(content)
+        lay(folder, files)
         run([*compiler, name, place, SOURCES, level], HERE)
         yield folder
+
+
+def lay(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write files below a folder."""
+    for file, content in files.items():
+        (folder / file).parent.mkdir(parents=True, exist_ok=True)
+        (folder / file).write_bytes(content)
 
 
 def _stored(folder: Path) -> bytes:

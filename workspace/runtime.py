@@ -317,7 +317,7 @@ def warm(
     browser: Browser | None = None,
 ) -> Runtime:
     """Return a runtime that has begun."""
-    sys.path.append(str(Path(__file__).parent / "stand_ins" / "gaps"))
+    sys.path.append(str(Path(__file__).parent / "page_packages" / "gaps"))
     runtime = Runtime(Path(recordings), reached, browser)
     runtime.begin()
     return runtime

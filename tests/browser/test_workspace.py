@@ -21,6 +21,7 @@ from grader.course.exercises import ROOT, all_exercises, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
 from rclpy_virtual_time.link.hosts import ForkServer
+from workspace.build import PAGE_PACKAGES, lay, page_packages
 from workspace.plan import plan
 
 MADE = ROOT / "build" / "workspace" / "manifest.json"
@@ -215,7 +216,9 @@ def test_nobody_types_to_a_node(open_workspace: Any) -> None:
 
 
 @pytest.mark.long
-def test_two_hundred_trials_in_one_worker_leave_nothing_behind(open_workspace: Any) -> None:
+def test_two_hundred_trials_in_one_worker_leave_nothing_behind(
+    open_workspace: Any, tmp_path: Path
+) -> None:
     page = open_workspace()
     settle(page)
     exercise = find_exercise(SLUG)
@@ -226,8 +229,8 @@ def test_two_hundred_trials_in_one_worker_leave_nothing_behind(open_workspace: A
     runs[TRIALS // 2][1] = WRECKS
     runs[-1] = runs[0]
     made = json.dumps(page.evaluate(TRY, [file, runs]))
-    stand_ins = ROOT / "workspace" / "stand_ins"
-    command = [sys.executable, "-c", DIGESTS, str(stand_ins), str(ROOT)]
+    lay(tmp_path, page_packages())
+    command = [sys.executable, "-c", DIGESTS, str(tmp_path / PAGE_PACKAGES), str(ROOT)]
     first, last = subprocess.check_output(command, input=made, text=True).split()
     assert first == last
 

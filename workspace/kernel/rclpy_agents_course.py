@@ -37,6 +37,6 @@ for address in (
     content = io.BytesIO(gzip.decompress(fetched(address)))
     with tarfile.open(fileobj=content) as archive:
         archive.extractall(COURSE, filter="data")
-STAND_INS = f"{COURSE}/workspace/stand_ins"
-sys.path += [COURSE, STAND_INS, f"{STAND_INS}/gaps"]  # what the kernel has goes first
+PAGE_PACKAGES = f"{COURSE}/workspace/page_packages"
+sys.path += [COURSE, PAGE_PACKAGES, f"{PAGE_PACKAGES}/gaps"]  # what the kernel has goes first
 logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # a new list at each start

@@ -107,7 +107,7 @@ async function load(manifest) {
   globalThis.reached = (seconds) => postMessage({ kind: 'reached', seconds });
   python.runPython(`
 import sys
-sys.path[:0] = ["/course", "/course/workspace/stand_ins"]
+sys.path[:0] = ["/course", "/course/workspace/page_packages"]
 from workspace import runtime
 from js import reached, stacks
 from pyodide.ffi import run_sync

@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from grader.course.exercises import ROOT, all_exercises
 from sim.scenario_files import load_scenario, scenario_names
+from workspace.build import PAGE_PACKAGES, lay, page_packages
 
 READ = """
 import msgspec
@@ -50,24 +52,25 @@ def said_by(script: str, order: object, *paths: str) -> object:
     return json.loads(done.stdout)
 
 
-def with_stand_ins(script: str, order: object) -> object:
-    folder = str(ROOT / "workspace" / "stand_ins")
+def in_page(script: str, order: object, at: Path) -> object:
+    lay(at, page_packages())
+    folder = str(at / PAGE_PACKAGES)
     module = next(line for line in script.splitlines() if line).removeprefix("import ")
     return said_by(f"{script}\nassert {module}.__file__.startswith({folder!r})", order, folder)
 
 
 @pytest.mark.parametrize("room", ["demo", *(exercise.slug for exercise in all_exercises())])
-def test_scenarios_are_the_same(room: str) -> None:
+def test_scenarios_are_the_same(room: str, tmp_path: Path) -> None:
     names = [name for name, path in scenario_names().items() if room in path.parts]
     assert names
-    assert with_stand_ins(READ, names) == {name: repr(load_scenario(name)) for name in names}
+    assert in_page(READ, names, tmp_path) == {name: repr(load_scenario(name)) for name in names}
 
 
 @pytest.mark.long
-def test_a_robot_that_runs_into_things_is_where_pymunk_has_it() -> None:
+def test_a_robot_that_runs_into_things_is_where_pymunk_has_it(tmp_path: Path) -> None:
     order = [(name, seed) for name in CROWDED for seed in range(8)]
     touched = 0
-    for here, there in zip(with_stand_ins(CRASH, order), said_by(CRASH, order), strict=True):
+    for here, there in zip(in_page(CRASH, order, tmp_path), said_by(CRASH, order), strict=True):
         assert here[2] == there[2]
         assert np.hypot(*np.subtract(here[:2], there[:2])).max() < 0.001  # [m]
         touched += sum(here[2])

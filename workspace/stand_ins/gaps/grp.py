@@ -1,1 +1,0 @@
-"""Missing in a browser; imported, never called, in the page."""
