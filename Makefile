@@ -12,7 +12,7 @@ SITE ?=
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-proof test-long test-all test-deep lint format prove conform wheel attacks site workspace lite assignments notebooks students bench profile skeletons goldens constraints clean
+.PHONY: help setup grade test test-engine test-proof test-long test-all test-deep lint format prove conform wheel attacks site workspace lite assignments notebooks students bench profile skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -25,6 +25,9 @@ grade: $(VENV)/.course ## set up, grade a reference solution, print the table, w
 
 test: $(VENV)/.dev ## set up, run the tests but for those that take long
 	$(PYTEST) -m "not long"
+
+test-engine: $(VENV)/.dev ## run all tests of the engine, rclpy_virtual_time; make test has the quick ones
+	$(PYTEST) rclpy_virtual_time/tests
 
 test-long: $(VENV)/.dev ## run the tests that take long: attacks, browsers, DDS, nbgrader
 	$(PYTEST) -m long
@@ -80,7 +83,7 @@ profile: $(VENV)/.dev ## CPU time of a grading of each reference; EXERCISES="obs
 	$(BIN)/python benchmarks/cpu.py $(EXERCISES)
 
 attacks: $(VENV)/.dev ## every attack with all checks; what opens without each layer (docs/attacks.md)
-	COURSE_ATTACKS=full $(PYTEST) tests/attacks tests/grader/host/test_kernel_filters.py tests/grader/host/test_landlock.py
+	COURSE_ATTACKS=full $(PYTEST) tests/attacks rclpy_virtual_time/tests/host/test_kernel_filters.py rclpy_virtual_time/tests/host/test_landlock.py
 	$(BIN)/python tests/attacks/layers.py --write
 
 site: $(VENV)/.dev ## build the lesson as a site into build/site

@@ -42,6 +42,7 @@ FILES = ("constraints.txt",)
 LEFT_OUT = shutil.ignore_patterns(
     "__pycache__", "build", "*.pyc", ".unpacking-*", "resource",
     "expert.py",  # a wheel lies beside students' notebooks
+    "tests",
 )  # fmt: skip
 
 

@@ -54,7 +54,7 @@ COURSE = re.compile(
     r"|nbgrader|notebook|testing|models/expert|trial/real_time|course/(skeletons|begin|generated)"
     r"|grading/(attempts|best|handed_in|withheld)|cli/(batch|waiting)"
     r")"
-    r"|rclpy_virtual_time/(?!testing|conform"
+    r"|rclpy_virtual_time/(?!testing|conform|tests|setup"
     r"|link/(doctor|domains|host_process|hosts|locks|pipes|pool|run_queue|shared_memory)\."
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )

@@ -22,6 +22,7 @@ from grader.errors import GraderError, InputError
 INSTRUCTORS = (
     "grader/authoring", "grader/classroom", "grader/course/generated.py",
     "grader/course/skeletons.py", "grader/models/expert.py", "grader/notebook/build.py",
+    "rclpy_virtual_time/conform", "rclpy_virtual_time/tests", "rclpy_virtual_time/setup.py",
 )  # fmt: skip
 PACKAGE = (".xml", ".cfg", ".yaml", ".rviz")  # suffixes of the files of a ROS package
 MARKER = "resource"  # folder with a ROS package's marker file, which has no suffix

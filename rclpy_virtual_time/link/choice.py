@@ -43,12 +43,13 @@ def start_launcher(
     return ForkServer(epoch, libraries=libraries, **options)
 
 
-def why_not_linux() -> str:
-    """Say why the real rclpy can't be used here; "" if it can."""
+def why_not_linux(*, portable: bool = False) -> str:
+    """Say why a fork server can't be used here; "" if it can. `portable`: it needs no ROS 2."""
     if not (hasattr(os, "fork") and hasattr(os, "pidfd_open") and hasattr(signal, "SIGUSR1")):
         return f"the launcher for the real rclpy is for Linux, and this is {sys.platform}"
     try:
-        find_ros()
+        if not portable:
+            find_ros()
     except NoRos as error:
         return str(error)
     return ""

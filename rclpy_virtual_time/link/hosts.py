@@ -264,7 +264,7 @@ class ForkServer:
                     remove_half_made_ports()
 
     def _command(self, control: int) -> list[str]:
-        paths = [str(ROOT), *map(str, self.ros.python_path)]
+        paths = [*map(str, self.ros.python_path), str(ROOT)]  # which may be site-packages
         layers = ",".join(self._wanted)
         words = (control, self._epoch, self._kind, layers, self._landlock, self._advice)
         arguments = [*map(str, words), *self._libraries]

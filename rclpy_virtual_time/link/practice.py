@@ -138,7 +138,7 @@ class PracticeServer:
         self._ready.append(self._started())
 
     def _started(self) -> PracticeHost:
-        paths = [str(ROOT), *map(str, self.ros.python_path)]
+        paths = [*map(str, self.ros.python_path), str(ROOT)]  # which may be site-packages
         boot = (
             f"import sys; sys.path[:1] = {paths!r}; sys.argv[1:1] = {self._arguments!r}\n"
             "from rclpy_virtual_time.host import imports; imports.host.watch()\n"

@@ -23,11 +23,29 @@ MARKER = (
 )
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the options for whole runs."""
+    group = parser.getgroup("virtual time", "ROS 2 nodes in virtual time")
+    group.addoption("--virtual-time", action="store_true", help="run every test in virtual time")
+    group.addoption(
+        "--virtual-time-portable",
+        action="store_true",
+        help="take the portable rclpy for tests in virtual time, also without ROS 2",
+    )
+
+
 def pytest_configure(config: pytest.Config) -> None:
     """Offer the fixture, unless this is a host that runs one test in virtual time."""
     config.addinivalue_line("markers", MARKER)
-    if not config.pluginmanager.has_plugin(HOST):
-        config.pluginmanager.register(Processes(), PROCESSES)
+    if config.pluginmanager.has_plugin(HOST):
+        return
+    portable = config.getoption("virtual_time_portable")
+    if portable:
+        import rclpy_portable  # noqa: PLC0415
+
+        rclpy_portable.activate()  # for modules of tests, which import rclpy when collected
+    every = config.getoption("virtual_time")
+    config.pluginmanager.register(Processes(every=every, portable=portable), PROCESSES)
 
 
 @pytest.fixture
@@ -39,7 +57,8 @@ def virtual_time() -> None:
 class Processes:
     """The process behind the fixture; it starts when a test first asks."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, every: bool, portable: bool) -> None:
+        self._every, self._portable = every, portable
         self._hosts: TestHosts | None = None
 
     @pytest.hookimpl(tryfirst=True)
@@ -47,17 +66,18 @@ class Processes:
         self, item: pytest.Item, nextitem: pytest.Item | None
     ) -> bool | None:
         """Run a test that wants virtual time in a process of its own."""
-        if FIXTURE not in getattr(item, "fixturenames", ()) and not item.get_closest_marker(MARK):
+        asked = FIXTURE in getattr(item, "fixturenames", ()) or item.get_closest_marker(MARK)
+        if not (self._every or asked):
             return None
         from rclpy_virtual_time.link.choice import why_not_linux  # noqa: PLC0415
 
-        if reason := why_not_linux():
+        if reason := why_not_linux(portable=self._portable):
             item.add_marker(pytest.mark.skip(reason=f"virtual_time needs the real rclpy: {reason}"))
             return None
         if self._hosts is None:
             from rclpy_virtual_time.testing.virtual_time import TestHosts  # noqa: PLC0415
 
-            self._hosts = TestHosts()
+            self._hosts = TestHosts(portable=self._portable)
         self._hosts.run(item)
         item.session._setupstate.teardown_exact(nextitem)  # of fixtures that this module's had
         return True

@@ -21,14 +21,16 @@ from rclpy_virtual_time.host.kinds import TESTS
 from rclpy_virtual_time.link import real_clock
 from rclpy_virtual_time.link.errors import EngineError
 from rclpy_virtual_time.link.exchange import HostDied, HostForged, HostHung, decoded, status_text
-from rclpy_virtual_time.link.foreign import echo, readable
+from rclpy_virtual_time.link.foreign import readable
 from rclpy_virtual_time.link.host_process import HostProcess
 from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.pipes import Channel
+from rclpy_virtual_time.link.ros_environment import find_ros, portable_ros
 from rclpy_virtual_time.link.scratch import fresh_folder
 from rclpy_virtual_time.link.settings import EPOCH
 
 LIMIT = 60.0  # [s] of virtual time
+OTHERS_LIMIT = 3600.0  # [s] of it, for tests that did not ask for it: they may sleep for long
 PATIENCE = 120.0  # [s] of real time
 START = 10.0  # [s] to send the order
 GRACE = 1.0  # [s] for the end of a process that has hung up
@@ -41,6 +43,8 @@ CHANGED: dict[str, Any] = {  # pytest-xdist's workers are outside, too, and so i
     "dist": "no",
     "tx": [],
     "usepdb": False,
+    "virtual_time": False,
+    "virtual_time_portable": False,
 }
 
 
@@ -52,7 +56,8 @@ class TestHosts:
 
     __test__ = False
 
-    def __init__(self) -> None:
+    def __init__(self, *, portable: bool = False) -> None:
+        self._portable = portable
         self._forkserver: ForkServer | None = None
 
     def run(self, item: pytest.Item) -> None:
@@ -72,7 +77,8 @@ class TestHosts:
         try:
             order, patience = _order(item)
             if self._forkserver is None:
-                self._forkserver = ForkServer(EPOCH, kind=TESTS, layers=())
+                ros = portable_ros() if self._portable else find_ros()
+                self._forkserver = ForkServer(EPOCH, ros, kind=TESTS, layers=())
             with fresh_folder() as folder, self._forkserver.host_process(folder) as host:
                 return _TestLink(host, item).conduct(order, patience)
         except EngineError as error:
@@ -100,7 +106,7 @@ class _TestLink(Channel):
             problem = f"the test's process said what it can't: {error}"
         said = self.log()
         if self._item.config.getoption("capture", "fd") == "no":
-            echo("".join(f"{line.text}\n" for line in said))
+            sys.stdout.write(readable("".join(f"{line.text}\n" for line in said)))
         if problem or not self._reports:
             text = problem or "the test was not found in its own process"
             self._reports.append(_failure(self._item, text))
@@ -135,7 +141,8 @@ class _TestLink(Channel):
 def _order(item: pytest.Item) -> tuple[RunTest, float]:
     """Return what the host is to do, and how long that may take [s]."""
     config = item.config
-    limit, patience = LIMIT, PATIENCE
+    asked = "virtual_time" in getattr(item, "fixturenames", ())
+    limit, patience = LIMIT if asked else OTHERS_LIMIT, PATIENCE
     if (mark := item.get_closest_marker("virtual_time")) is not None:
         limit, patience = _seconds(**mark.kwargs) if not mark.args else _seconds(*mark.args)
     options = {k: v for k, v in vars(config.option).items() if _plain(v)} | CHANGED

@@ -19,7 +19,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path[:0] = [str(ROOT), str(Path(__file__).resolve().parent), str(ROOT / "tests" / "grader")]
 
-import ordinary  # noqa: E402
 from arena import HOSTILE, Arena  # noqa: E402
 
 from grader.launchers import fork_server  # noqa: E402
@@ -27,6 +26,7 @@ from rclpy_virtual_time.host.sandbox import users as privileges  # noqa: E402
 from rclpy_virtual_time.host.sandbox.kernel_filters import NEWEST  # noqa: E402
 from rclpy_virtual_time.host.sandbox.layers import FILES, LAYERS, LIMITS  # noqa: E402
 from rclpy_virtual_time.link.hosts import LAYER_TEXTS  # noqa: E402
+from rclpy_virtual_time.tests import ordinary  # noqa: E402
 
 DOCUMENT = ROOT / "docs" / "attacks.md"
 FAMILIES = ("read", "escape", "exhaust")  # the others don't depend on layers

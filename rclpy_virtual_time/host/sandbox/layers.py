@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import sysconfig
 from collections.abc import Collection
 from pathlib import Path
 
@@ -82,12 +83,13 @@ def enter(request: Request, means: Hello, *, parent: int, datagrams: bool) -> No
 
 def needed_paths() -> list[Path]:
     """Return the folders of the interpreter, its libraries and this package."""
-    checkout = HERE.parent.parent
+    checkout = HERE.parent.parent.resolve()
+    installed = checkout == Path(sysconfig.get_path("purelib")).resolve()
     paths = [Path(sys.prefix), Path(sys.base_prefix), HERE]
     paths += [Path(entry) for entry in sys.path if entry]
     paths += [Path(entry) for entry in os.environ.get("LD_LIBRARY_PATH", "").split(":") if entry]
     found = [path.resolve() for path in paths if path.is_dir()]
-    return [path for path in found if path != checkout.resolve()]
+    return [path for path in found if installed or path != checkout]
 
 
 def readable_paths() -> list[Path]:

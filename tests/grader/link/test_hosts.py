@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 from node_runs import PREAMBLE, RunNode, is_over, short
-from ordinary import NOBODY, said_by_ordinary
 
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
@@ -24,6 +23,7 @@ from rclpy_virtual_time.host.sandbox.users import USERS
 from rclpy_virtual_time.link import hosts
 from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.ros_environment import RosEnvironment
+from rclpy_virtual_time.tests.ordinary import NOBODY, said_by_ordinary
 
 ECHO = "rclpy.init(); rclpy.spin(Echo())"
 root_only = pytest.mark.skipif(os.getuid() != 0, reason="only root can become another user")

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from ordinary import said_by_ordinary
 
 from rclpy_virtual_time.link import shared_memory
 from rclpy_virtual_time.link.shared_memory import SHM, remove_half_made_ports
+from rclpy_virtual_time.tests.ordinary import said_by_ordinary
 
 pytestmark = pytest.mark.skipif(not SHM.is_dir(), reason="no /dev/shm here")
 

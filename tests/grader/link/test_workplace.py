@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 from node_runs import PREAMBLE, is_over, short
-from ordinary import OUT_OF_REACH, ROOT, run_as_ordinary, said_by_ordinary
 
 from grader.course.submission import Submission
 from grader.errors import GraderError
@@ -22,6 +21,7 @@ from rclpy_virtual_time.host.sandbox.layers import MOUNTS
 from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.scratch import fresh_folder
 from rclpy_virtual_time.link.workplace import Excess, check_folder
+from rclpy_virtual_time.tests.ordinary import OUT_OF_REACH, ROOT, run_as_ordinary, said_by_ordinary
 
 LONG = functools.partial(pytest.param, marks=pytest.mark.long)
 SPIN = "\nrclpy.init(); rclpy.spin(Echo())\n"

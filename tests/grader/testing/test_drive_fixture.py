@@ -6,7 +6,11 @@ import shutil
 from pathlib import Path
 
 import pytest
-from outside import AGENT, Session, pytest_in, write
+
+from grader.course.exercises import SOLUTIONS
+from rclpy_virtual_time.tests.testing.outside import Session, pytest_in, write
+
+AGENT = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"
 
 NODES = {
     "dies": """

@@ -7,11 +7,12 @@ import shutil
 from pathlib import Path
 
 import pytest
-from outside import AGENT, pytest_in
 
 from grader.authoring.mutants import find_mutant
-from grader.course.exercises import ROOT, find_exercise
+from grader.course.exercises import ROOT, SOLUTIONS, find_exercise
+from rclpy_virtual_time.tests.testing.outside import pytest_in
 
+AGENT = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"
 PAGE = (ROOT / "docs/testing-your-node.md").read_text("utf-8")
 BLOCKS = re.findall(r"(?ms)^```python\n(.*?)^```$", PAGE)
 DRIVEN, SHARED, AROUND, CLOCK = BLOCKS

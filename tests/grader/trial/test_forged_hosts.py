@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fake_host import FakeHost, frame, settled
 from node_runs import short
 
 from grader.course.submission import Submission
@@ -25,6 +24,7 @@ from rclpy_virtual_time.host.frames import (
 from rclpy_virtual_time.link import pipes
 from rclpy_virtual_time.link.link import Link
 from rclpy_virtual_time.link.pipes import Pipes
+from rclpy_virtual_time.tests.fake_host import FakeHost, frame, settled
 from sim.messages import TWIST, twist
 
 SCANS = [13_000_000 + i * 100_000_000 for i in range(10)]  # [ns] when the lidar of `short` sends

@@ -10,9 +10,6 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.course.exercises import SOLUTIONS
-
-AGENT = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"
 PATIENCE = 300  # [s], for a busy machine
 
 

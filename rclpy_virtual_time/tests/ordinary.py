@@ -18,8 +18,8 @@ NOBODY = 65534
 OUT_OF_REACH = "the interpreter is out of reach for another user"
 BOOT = """
 import sys
-sys.path[:0] = [{root!r}, {here!r}]
-import ordinary
+sys.path[:0] = {paths!r}
+from rclpy_virtual_time.tests import ordinary
 ordinary.become_ordinary()
 if not {namespaces}:
     ordinary.refuse_namespaces()
@@ -30,7 +30,8 @@ def run_as_ordinary(
     script: str, *, namespaces: bool = True, stdin: int = subprocess.DEVNULL
 ) -> subprocess.Popen[str]:
     """Start a script as an ordinary user, who may make user namespaces or not."""
-    boot = BOOT.format(root=str(ROOT), here=str(Path(__file__).parent), namespaces=namespaces)
+    paths = [str(ROOT), *(path for path in sys.path if Path(path).is_relative_to(ROOT))]
+    boot = BOOT.format(paths=paths, namespaces=namespaces)
     return subprocess.Popen(
         [sys.executable, "-B", "-c", boot + script],
         stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd="/",

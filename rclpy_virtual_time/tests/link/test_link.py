@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from itertools import chain, repeat
 
 import pytest
-from fake_host import FakeHost, frame, settled, talking, write_all
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -28,6 +27,7 @@ from rclpy_virtual_time.link.exchange import MAX_REASON, HostDied, HostForged, H
 from rclpy_virtual_time.link.link import Link
 from rclpy_virtual_time.link.output import MAX_LINES, MAX_OUTPUT, Output
 from rclpy_virtual_time.link.pipes import Pipes
+from rclpy_virtual_time.tests.fake_host import FakeHost, frame, settled, talking, write_all
 
 START = Start(programs=(ProgramStart("agent.py"),), epoch=0, seed=1, offers=())
 LIMIT = 20.0  # [s] for answers that come

@@ -13,9 +13,9 @@ from typing import Any
 
 import cell_works
 import pytest
-from ordinary import said_by_ordinary
 
 from rclpy_virtual_time.link.cell import MIB, Broken, Limits, Refused, read_in_cell
+from rclpy_virtual_time.tests.ordinary import said_by_ordinary
 
 LIMITS = Limits(memory=128 * MIB, cpu=1, file=MIB // 2, answer=MIB)
 ENDS: dict[str, tuple[Callable[..., Any], tuple[Any, ...], Any, str]] = {
