@@ -18,7 +18,7 @@ import re
 import sys
 import tempfile
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -149,7 +149,9 @@ def replay(pitfall: Pitfall, recording: Recording) -> str:
 
 
 def made(
-    forkserver: ForkServer, pitfalls: Iterable[Pitfall] = PITFALLS
+    forkserver: ForkServer,
+    pitfalls: Iterable[Pitfall] = PITFALLS,
+    drive: Callable[[Pitfall, str, ForkServer], Recording] = drive,
 ) -> Iterator[tuple[Path, str]]:
     """Return every file of lessons/pitfalls/made with its text."""
     for pitfall in pitfalls:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 import venv
@@ -28,7 +29,10 @@ def wheel(project: Path, folder: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def engine(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return wheel(ROOT / "rclpy_virtual_time", tmp_path_factory.mktemp("engine"))
+    folder = tmp_path_factory.mktemp("engine")
+    for name in ("rclpy_virtual_time", "rclpy_portable"):  # a build writes beside its sources
+        shutil.copytree(ROOT / name, folder / name)
+    return wheel(folder / "rclpy_virtual_time", folder)
 
 
 @pytest.fixture(scope="module")

@@ -33,7 +33,7 @@ from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario_files import load_scenario
 
 NEXT = load_scenario("avoid_zones")
-BENCHES = ("clear_zone", "slow_zone", "stop_zone", "infinite_readings", "invalid_readings", "blind")
+BENCHES = ("clear_zone", "stop_zone", "infinite_readings", "blind")
 FAMILIES = ("escape", "exhaust", "feedback", "forge", "read", "topics")
 QUICK = (  # in `make test`
     *("escape_calls_by_number", "exhaust_disk", "feedback_html", "forge_completed"),
@@ -134,9 +134,10 @@ def test_an_odd_but_honest_submission_loses_nothing(
 def test_after_all_attacks_the_reference_has_full_marks(
     forkserver: ForkServer, digest: str
 ) -> None:
-    grading = grade_submission(EXERCISE, REFERENCE, forkserver, file="reference.py")
+    only = () if FULL else BENCHES
+    grading = grade_submission(EXERCISE, REFERENCE, forkserver, file="reference.py", only=only)
 
-    assert (grading.score, grading.max_score, grading.faulty) == (100, 100, False)
+    assert 0 < grading.score == grading.max_score and not grading.faulty
     assert digest in [recording.digest() for recording in grading.recordings]
 
 

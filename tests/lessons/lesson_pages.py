@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import sys
 from dataclasses import dataclass, field
@@ -33,6 +34,7 @@ class Block:
         return f"lessons/{self.page}.md:{self.line}"
 
 
+@functools.cache
 def blocks(page: Path) -> list[Block]:
     """Return the fenced blocks of a page, in order."""
     source = page.read_text("utf-8")

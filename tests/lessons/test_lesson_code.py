@@ -21,16 +21,19 @@ from lesson_pages import PAGES, ROOT, Block, blocks
 
 import grader.drive
 from grader.cli import cli
+from grader.course.installed import OPTIONAL, why_not
 from grader.recording import Recording
 from rclpy_virtual_time.link.hosts import ForkServer
 
 ELISION = "…"
-NEEDS = ("numpy", "sklearn", "skl2onnx", "onnxruntime", "torch")
 STARTED = re.compile(r'executable="(\w+)"')  # by a launch file
 RUNNER = """
-import contextlib, io, json, sys
+import contextlib, io, json, os, sys
 namespace, said = {"__name__": "page"}, []
-for block in json.load(sys.stdin):
+for folder, block in json.load(sys.stdin):
+    if not os.path.samefile(folder, "."):  # another page
+        os.chdir(folder)
+        namespace = {"__name__": "page"}
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
         exec(compile(block, "page", "exec"), namespace)
@@ -92,38 +95,38 @@ def same(expected: str, actual: str) -> None:
     assert re.fullmatch(form, printed), f"not printed:\n{expected}\nbut:\n{printed}"
 
 
-def with_snippets() -> list[Any]:
-    """Return the pages with snippets, as parameters; those with PyTorch are of `make test-deep`."""
-    found = [(page, "".join(b.text for b in snippets(page))) for page in PAGES if snippets(page)]
-    deep = {True: [pytest.mark.deep], False: []}
-    return [pytest.param(p, marks=deep["import torch" in s], id=p.stem) for p, s in found]
+DEEP = ("torch", "keras")
 
 
-@pytest.mark.parametrize("page", with_snippets())
-def test_snippets_print_what_the_page_says(page: Path, tmp_path: Path) -> None:
-    listed = snippets(page)
-    source = "".join(block.text for block in listed)
-    for library in NEEDS:
-        if f"import {library}" in source or f"from {library}" in source:
-            pytest.importorskip(library, reason=f"{library} is not installed")
-    write_nodes(tmp_path)
-    for block in blocks(page):
-        if block.info == "console" and "--bag" in block.text:  # the snippets read it
-            words = shlex.split(block.text)[2:]
-            course = [sys.executable, "-m", "grader.cli", *words]
-            subprocess.run(course, check=True, capture_output=True, timeout=60, cwd=tmp_path)
+@pytest.mark.parametrize("deep", [False, pytest.param(True, marks=pytest.mark.deep)])
+def test_snippets_print_what_the_page_says(deep: bool, tmp_path: Path) -> None:
+    """One process runs them all, each page's in a folder and with names of their own."""
+    listed, needs = [], set()
+    for page in filter(snippets, PAGES):
+        found = set(
+            re.findall(r"(?m)^(?:import|from) (\w+)", "".join(b.text for b in snippets(page)))
+        )
+        if deep is not found.isdisjoint(DEEP):
+            needs |= found & OPTIONAL.keys()
+            listed += [(tmp_path / page.stem, block) for block in snippets(page)]
+    if lacks := why_not(sorted(needs)):
+        pytest.skip(lacks)
+    for folder, page in {folder: block.page for folder, block in listed}.items():
+        folder.mkdir()
+        write_nodes(folder)
+        for block in blocks(ROOT / "lessons" / f"{page}.md"):
+            if block.info == "console" and "--bag" in block.text:  # the snippets read it
+                words = shlex.split(block.text)[2:]
+                course = [sys.executable, "-m", "grader.cli", *words]
+                subprocess.run(course, check=True, capture_output=True, timeout=60, cwd=folder)
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", RUNNER],
-        input=json.dumps([block.text for block in listed]),
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-        cwd=tmp_path,
-    )
+        input=json.dumps([(str(folder), block.text) for folder, block in listed]),
+        capture_output=True, text=True, check=False, timeout=60, cwd=tmp_path,
+    )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    everything = blocks(page)
-    for block, said in zip(listed, json.loads(done.stdout), strict=True):
+    for (_, block), said in zip(listed, json.loads(done.stdout), strict=True):
+        everything = blocks(ROOT / "lessons" / f"{block.page}.md")
         after = everything[everything.index(block) + 1 :]
         assert after, f"{block.place} prints something that the page does not show"
         assert after[0].info == "output", f"{block.place}: no output below it"
@@ -152,10 +155,12 @@ def test_commands_print_what_the_page_says(
     )
     monkeypatch.setenv("COLUMNS", "80")
     write_nodes(tmp_path)
-    shutil.copytree(ROOT / "exercises", tmp_path / "exercises")
+    if "exercises/" in command.text:
+        shutil.copytree(ROOT / "exercises", tmp_path / "exercises")
     monkeypatch.chdir(tmp_path)
     if makers := list(filter(is_maker, blocks(ROOT / "lessons" / f"{command.page}.md"))):
-        pytest.importorskip("sklearn", reason="scikit-learn is not installed")
+        if lacks := why_not(["sklearn"]):  # importing it here would cost a second
+            pytest.skip(lacks)
         made = made_once(f"made-on-{command.page}", partial(make, makers))
         if command in makers:
             assert shown is not None

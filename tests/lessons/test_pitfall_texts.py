@@ -41,8 +41,8 @@ def page_of(pitfall: Pitfall) -> str:
 @pytest.mark.parametrize(
     "pitfall", [pytest.param(p, id=p.name, marks=long_but_1(p.exercise)) for p in PITFALLS]
 )
-def test_what_is_made_is_up_to_date(forkserver: ForkServer, pitfall: Pitfall) -> None:
-    for file, text in made(forkserver, [pitfall]):
+def test_what_is_made_is_up_to_date(forkserver: ForkServer, runs: Runs, pitfall: Pitfall) -> None:
+    for file, text in made(forkserver, [pitfall], lambda p, node, _: runs.of(p.name, node)):
         assert file.read_text("utf-8") == text, (
             f"{file.name}: run `python -m grader.authoring.pitfalls --made`"
         )

@@ -14,6 +14,16 @@ pytest.importorskip("ipykernel", reason="ipykernel is not installed (the extra `
 from kernels import Kernel, started
 
 
+@pytest.fixture(scope="session", autouse=True)
+def no_grammars(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Spare processes, too, the grammars that tests/conftest.py says of."""
+    folder = tmp_path_factory.mktemp("none")
+    (folder / "rfc3987_syntax.py").write_text("raise ImportError")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(folder), prepend=os.pathsep)
+        yield
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The notebook's folder."""

@@ -82,9 +82,10 @@ def test_a_right_solution_gets_all_points_in_the_terminals_words(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     save(kernel, AGENT, RIGHT)
-    said = kernel.run("report = check()")
+    said = kernel.run("report = check('1:clear_zone, slow_zone')")
     monkeypatch.setenv("COLUMNS", "100")
-    cli.main(["grade", "1", str(folder / AGENT)], standalone_mode=False)
+    checks = ["--only", "clear_zone", "--only", "slow_zone"]
+    cli.main(["grade", "1", str(folder / AGENT), *checks], standalone_mode=False)
     expected = capsys.readouterr().out.replace(str(folder / AGENT), AGENT)
 
     assert said.stderr == ""
@@ -92,12 +93,12 @@ def test_a_right_solution_gets_all_points_in_the_terminals_words(
     assert age.strip().startswith(f"{AGENT} was written ")
     assert table.split() == expected.partition("Next")[0].split()  # that is a command
     numbers = kernel.run("print(report.score, report.max_score, len(report.checks))")
-    assert numbers.stdout.split()[:2] == ["100", "100"]
+    assert numbers.stdout.split()[:2] == ["25", "25"]
 
 
 def test_a_failure_comes_with_its_replay_at_the_moment(kernel: Kernel) -> None:
     save(kernel, AGENT, TOO_FAST)
-    said = kernel.run("report = check('obstacle_avoidance')")
+    said = kernel.run("report = check('obstacle_avoidance:stop_zone, sees_sides')")
     checks = json.loads(kernel.run("import json; print(json.dumps(report.checks))").stdout)
 
     failed = [check for check in checks if check["outcome"] == "fail"]

@@ -59,9 +59,10 @@ def wrong(tmp_path: Path) -> str:
 
 def test_progress_is_told_to_the_end(forkservers: ForkServerPool) -> None:
     sent: list[Any] = []
-    answer = graded(carry_out(Grade("1", str(RIGHT), AGENT), forkservers, sent.append))
+    order = Grade("1", str(RIGHT), AGENT, ("slow_zone", "invalid_readings"))
+    answer = graded(carry_out(order, forkservers, sent.append))
 
-    assert json.loads(answer.grading)["score"] == 100
+    assert json.loads(answer.grading)["score"] == 25
     for what in ("trial", "check"):
         steps = [step for step in sent if isinstance(step, Progressed) and step.what == what]
         assert max(step.done for step in steps) == steps[-1].of

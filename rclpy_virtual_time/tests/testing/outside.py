@@ -10,6 +10,7 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
 from pathlib import Path
 
+PLAIN = ["-p", "no:hypothesispytest"]  # half a second for what no such test uses
 PATIENCE = 300  # [s], for a busy machine
 
 
@@ -47,7 +48,7 @@ def pytest_in(folder: Path, *arguments: str) -> Session:
     temporary = folder.with_name(f"{folder.name}-temporary")  # not what others left in /tmp
     env = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "PYTHONPATH"))}
     written = [f"--junitxml={results}", "-o", "junit_family=xunit1"]  # which knows properties
-    command = [sys.executable, "-m", "pytest", "-W", "error", *written, *arguments]
+    command = [sys.executable, "-m", "pytest", "-W", "error", *PLAIN, *written, *arguments]
     command.append(f"--basetemp={temporary}")
     done = subprocess.run(
         command, cwd=folder, env=env, text=True, timeout=PATIENCE, check=False,

@@ -16,14 +16,14 @@ from grader.authoring import github
 from grader.authoring.release import release
 from grader.course.exercises import find_exercise
 
-ONE, SIX = find_exercise("1"), find_exercise("6")
+SIX, TEN = find_exercise("6"), find_exercise("10")
 
 
 @pytest.fixture(scope="module")
 def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("template") / "course"
-    chosen = [ONE.slug, SIX.slug]
-    release(folder, exercises=chosen, more=github.files([ONE, SIX]))
+    chosen = [SIX.slug, TEN.slug]
+    release(folder, exercises=chosen, more=github.files([SIX, TEN]))
     return folder
 
 
@@ -38,7 +38,7 @@ def test_each_exercise_has_a_step_that_the_reporter_reads(job: dict[str, Any]) -
     steps = {step["id"]: step for step in job["steps"] if "id" in step}
     reporter = job["steps"][-1]
 
-    assert set(steps) == {"exercise-1", "exercise-6"}
+    assert set(steps) == {"exercise-10", "exercise-6"}
     assert reporter["with"]["runners"].split(",") == list(steps)
     for name in steps:  # as the reporter looks for them
         value = reporter["env"][f"{name.upper()}_RESULTS"]
@@ -64,15 +64,15 @@ def step_of(template: Path, job: dict[str, Any], name: str) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("place", "status", "points"),
     [
-        pytest.param(ONE.folder, "fail", 0, id="skeleton", marks=pytest.mark.long),
-        pytest.param(ONE.solutions, "pass", 100, id="reference"),
+        pytest.param(TEN.folder, "fail", 0, id="skeleton", marks=pytest.mark.long),
+        pytest.param(TEN.solutions, "pass", 100, id="reference"),
     ],
 )
 def test_a_push_is_graded(
     template: Path, job: dict[str, Any], place: Path, status: str, points: int
 ) -> None:
-    (template / ONE.files[0]).write_bytes((place / ONE.files[0]).read_bytes())
-    found = step_of(template, job, "exercise-1")
+    (template / TEN.files[0]).write_bytes((place / TEN.files[0]).read_bytes())
+    found = step_of(template, job, "exercise-10")
     assert set(found) == {"version", "status", "max_score", "tests"}
     assert found["max_score"] == 100
     assert (found["status"], sum(test["score"] for test in found["tests"])) == (status, points)

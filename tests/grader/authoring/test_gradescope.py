@@ -18,10 +18,10 @@ from click.testing import CliRunner
 from grader.authoring.gradescope import setup, write_autograder
 from grader.classroom.autograder import SECRET, SETTINGS, Settings
 from grader.cli import cli
-from grader.course.exercises import SOLUTIONS
+from grader.course.exercises import SOLUTIONS, find_exercise
 from grader.errors import InputError
 
-SLUGS = ("obstacle_avoidance", "goal_seeking")
+SLUGS = ("goal_seeking", "live_parameters")
 UNPACKED = """
 import sys
 sys.path.insert(0, sys.argv[1])
@@ -69,7 +69,7 @@ def test_what_it_holds_grades_a_submission(made: Path, tmp_path: Path) -> None:
     with zipfile.ZipFile(made) as archive:
         archive.extractall(tmp_path / "source")
     (tmp_path / "submission").mkdir()
-    shutil.copy(SOLUTIONS / SLUGS[0] / "obstacle_avoidance_agent.py", tmp_path / "submission")
+    shutil.copy(SOLUTIONS / SLUGS[1] / find_exercise(SLUGS[1]).files[0], tmp_path / "submission")
 
     done = subprocess.run(
         [sys.executable, "-I", "-c", UNPACKED, str(course), str(tmp_path)],

@@ -291,7 +291,7 @@ def usable(name: str) -> bool:
     return not name.startswith(".") and len(name.encode("utf-8", "surrogateescape")) < 250
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.lists(NAMES.filter(usable), min_size=2, max_size=6, unique=True))
 @example(["ada", "ada.zip", f"ada~{mark('ada.zip')}"])
 @example(["ada", "ada.zip", f"ada~{mark('ada.zip')}", f"ada~{mark('ada.zip')}.zip"])

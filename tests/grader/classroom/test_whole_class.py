@@ -183,7 +183,7 @@ def graded_as(grade_class: Any, tmp_path: Path) -> Iterator[Callable[..., dict[i
     yield of
 
 
-@pytest.mark.parametrize("size", [16, pytest.param(120, marks=pytest.mark.long)])
+@pytest.mark.parametrize("size", [len(ODD), pytest.param(120, marks=pytest.mark.long)])
 @pytest.mark.parametrize("platform", PLATFORMS)
 def test_everybody_is_themselves(
     platform: str, size: int, handed_in: Path, tmp_path: Path,

@@ -33,7 +33,7 @@ ROS_TIME = {
 def test_computing_costs_no_time(
     tmp_path: Path, forkserver: ForkServer, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    recording = drive_file(tmp_path, forkserver, COMPUTES.format(**MEASURES))
+    recording = drive_file(tmp_path, forkserver, COMPUTES.format(**MEASURES).replace("0.3", "0.11"))
     costs = costs_of(recording)
     said = summary(recording, capsys)
 
@@ -41,7 +41,7 @@ def test_computing_costs_no_time(
     measured = {float(line.text) for line in recording.log}
     assert max(measured) < 2e-6  # what reading the clock takes
     assert costs is not None
-    assert 0.29 < costs.p50 <= costs.p99 <= costs.worst
+    assert 0.1 < costs.p50 <= costs.p99 <= costs.worst
     assert (costs.late, costs.period, costs.keeps_up) == (10, 0.1, False)
     assert "/cmd_vel geometry_msgs/msg/Twist reliable 10 messages (10.0 Hz)" in said
     assert "the lidar's period is 100 ms WARNING: the node can't keep up" in said

@@ -109,6 +109,7 @@ def on_plain_python(server: ForkServer | PracticeServer, file: Path) -> str:
     return done.stdout if done.returncode == 0 else done.stderr.strip().splitlines()[-1]
 
 
+@WARM
 def test_a_program_that_imports_datetime_alone_reads_virtual_time(
     learned: ForkServer | PracticeServer, folder: Path
 ) -> None:
@@ -166,7 +167,9 @@ print('ran', getattr({}, 'LEVEL', None))
 """
 
 
-@WARM
+@pytest.mark.parametrize(
+    "learned", ["real", pytest.param("portable, bare", marks=pytest.mark.long)], indirect=True
+)
 @pytest.mark.parametrize("name", BESIDE)
 def test_a_file_beside_the_node_goes_first(
     learned: ForkServer | PracticeServer, folder: Path, name: str

@@ -115,7 +115,7 @@ def test_a_file_that_is_a_link_is_not_read(saved: Path) -> None:
     refused(saved)
 
 
-@settings(derandomize=True, deadline=None, max_examples=25)
+@settings(derandomize=True, deadline=None, max_examples=10)
 @given(
     st.lists(
         st.tuples(st.floats(0, 1, exclude_max=True), st.integers(0, 255)), min_size=1, max_size=30
