@@ -26,7 +26,7 @@ import msgspec
 import numpy as np
 import pymunk
 
-from grader.classroom.work import Unit, grade_unit
+from grader.classroom.queue.work import Unit, grade_unit
 from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.launchers import fork_server

@@ -19,13 +19,13 @@ from typing import IO, Any
 
 import msgspec
 
+from grader.classroom.amendments.marks import as_shown, is_held, tasks_of, why_held
 from grader.classroom.intake.exercise_files import Found, find_files, find_sole
 from grader.classroom.intake.students import take_in_one
-from grader.classroom.marks import as_shown, is_held, tasks_of, why_held
+from grader.classroom.queue.work import Unit, UnitResult, grade_unit, unjudged
 from grader.classroom.results.files import write_text
 from grader.classroom.results.scores import mark_of
 from grader.classroom.row import GRADED, HELD, StoredResult
-from grader.classroom.work import Unit, UnitResult, grade_unit, unjudged
 from grader.course.beside import MAX_BYTES
 from grader.course.exercises import Exercise, find_exercise
 from grader.course.students import read_secret, student_key

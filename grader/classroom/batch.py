@@ -11,18 +11,18 @@ from pathlib import Path
 
 from grader.classroom.account import Account
 from grader.classroom.amendments.people import the_student
-from grader.classroom.candidates import Class, find_class
-from grader.classroom.entering import enter_candidates, known_of
 from grader.classroom.folder import STORE, locked, write_class
-from grader.classroom.grading_run import PARTS, RECORDINGS, GradingRun
+from grader.classroom.intake.candidates import Class, find_class
+from grader.classroom.intake.entering import enter_candidates, known_of
 from grader.classroom.intake.whose import NOTHING_KNOWN
 from grader.classroom.options import Options, refuse_another
 from grader.classroom.progress import Progress
+from grader.classroom.queue.grading_run import PARTS, RECORDINGS, GradingRun
+from grader.classroom.queue.store import Store
 from grader.classroom.results.options import OPTIONS, ResultOptions, column_titles, kept_text
 from grader.classroom.results.sources import SOURCES, write_course, write_sources
 from grader.classroom.results.write import Written
 from grader.classroom.row import StoredResult
-from grader.classroom.store import Store
 from grader.errors import naming_a_full_disk
 from rclpy_virtual_time.link.scratch import sweep
 

@@ -11,10 +11,10 @@ from pathlib import Path
 
 from grader.classroom.amendments.apply import amended, published
 from grader.classroom.amendments.log import active
+from grader.classroom.queue.store import Store
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.write import Written, write_results
 from grader.classroom.row import StoredResult
-from grader.classroom.store import Store
 from grader.errors import GraderError, InputError
 
 STORE = "store.sqlite"

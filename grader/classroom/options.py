@@ -7,8 +7,8 @@ import hmac
 import json
 from dataclasses import dataclass
 
+from grader.classroom.queue.store import Store
 from grader.classroom.results.options import OPTIONS
-from grader.classroom.store import Store
 from grader.errors import InputError
 from grader.lms.people import NOBODY, Roster
 

@@ -6,7 +6,7 @@ import statistics
 from pathlib import Path
 
 from grader.classroom.batch import GradedClass
-from grader.classroom.candidates import Class
+from grader.classroom.intake.candidates import Class
 from grader.classroom.row import ABSENT, GRADED, HELD, WAITING
 
 MOST_HELD = 20  # lines at the end

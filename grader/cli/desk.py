@@ -34,8 +34,8 @@ def desk(folder: Path, names: tuple[str, ...], port: int) -> int:
     """
     if importlib.util.find_spec("tornado") is None:
         raise InputError(NO_LIBRARY)
+    from grader.classroom.desk.marking import reading  # noqa: PLC0415
     from grader.classroom.desk.server import serve  # noqa: PLC0415
-    from grader.classroom.marking import reading  # noqa: PLC0415
     from grader.cli.marks import user  # noqa: PLC0415
 
     with reading(folder) as class_:

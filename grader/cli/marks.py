@@ -15,7 +15,7 @@ from rclpy_virtual_time.link.foreign import echo
 
 if TYPE_CHECKING:
     from grader.classroom.amendments.change import Change
-    from grader.classroom.marking import Marked, Marking
+    from grader.classroom.desk.marking import Marked, Marking
 
 MOST = 20  # lines
 AGAIN = "Now run `course autograde` again with the same downloads."
@@ -114,8 +114,8 @@ def set_(
     section: str, everybody: bool, may_lower: bool, preview: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Give a CHECK these POINTS, whatever it came to, where that costs nobody points."""
-    from grader.classroom.asked import Named, set_check  # noqa: PLC0415
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk.asked import Named, set_check  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
     named = Named(students, section, everybody)
     with marking(folder) as class_:
@@ -139,8 +139,8 @@ def waive(
 
     The other checks count for more.
     """
-    from grader.classroom import asked  # noqa: PLC0415
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk import asked  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
     named = asked.Named(students, section, everybody)
     with marking(folder) as class_:
@@ -160,8 +160,8 @@ def score(
     everybody: bool, preview: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Give students these POINTS in an exercise, whatever was graded, or nothing handed in."""
-    from grader.classroom import asked  # noqa: PLC0415
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk import asked  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
     named = asked.Named(students, section, everybody)
     with marking(folder) as class_:
@@ -194,8 +194,8 @@ def late(
     Times are those of the platform, as far as it has told them, or of --times. Without --deadline
     only what the platform itself calls late is late, and counts as one day.
     """
-    from grader.classroom import asked  # noqa: PLC0415
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk import asked  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
     named = asked.Named(students, section, everybody)
     with marking(folder) as class_:
@@ -216,8 +216,8 @@ def publish(
     everybody: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Copy feedback pages into FOLDER/published, and keep them in step; `undo` takes them back."""
-    from grader.classroom import asked  # noqa: PLC0415
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk import asked  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
         change = asked.publish(class_, asked.Named(students, section, everybody), exercises)
@@ -242,7 +242,7 @@ def publish(
 def undo(folder: Path, entry: int, preview: bool, why: str, by: str) -> int:
     """Have an ENTRY of the log no longer count. To bring it back, undo that."""
     from grader.classroom.amendments.change import Undo  # noqa: PLC0415
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
         return _changed(class_, Undo(entry), by, why, preview=preview)
@@ -258,7 +258,7 @@ def assign(folder: Path, entry: str, people: tuple[str, ...], why: str, by: str)
 
     The next `course autograde` grades it as theirs, in all later downloads, too.
     """
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
         code = _told(class_.add(class_.assigned(entry, people), _who(by), why))
@@ -277,7 +277,7 @@ def accept(folder: Path, student: str, file: str, exercise: str, why: str, by: s
 
     The next `course autograde` grades it; a newer file of that name counts, too.
     """
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
         who = class_.student(student)
@@ -299,8 +299,8 @@ def comment(
     folder: Path, student: str, file: str, line: int, words: str, exercise: str, by: str
 ) -> int:
     """Put WORDS on a LINE of a STUDENT's FILE; the feedback page has them."""
-    from grader.classroom import asked  # noqa: PLC0415
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk import asked  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
         change = asked.comment(class_, student, exercise, file, line, words)
@@ -315,8 +315,8 @@ def comment(
 @by_option
 def style(folder: Path, student: str, points: tuple[str, ...], exercise: str, by: str) -> int:
     """Give points for style by FOLDER/rubric.toml; they stand beside those of the checks."""
-    from grader.classroom import asked  # noqa: PLC0415
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk import asked  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
     from grader.lms.told import number  # noqa: PLC0415
 
     given = {}
@@ -336,8 +336,8 @@ def style(folder: Path, student: str, points: tuple[str, ...], exercise: str, by
 @by_option
 def request(folder: Path, file: Path, by: str) -> int:
     """Log what a student asks to look at again: the text of the feedback page, by mail or FILE."""
-    from grader.classroom import asked  # noqa: PLC0415
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk import asked  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
         change = asked.request(class_, asked.text_of(file))
@@ -351,8 +351,8 @@ def request(folder: Path, file: Path, by: str) -> int:
 @by_option
 def answer(folder: Path, number: int, words: str, by: str) -> int:
     """Answer the request that is entry NUMBER of the log; the feedback page has it."""
-    from grader.classroom import asked  # noqa: PLC0415
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk import asked  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
         change = asked.answer(class_, number, words)
@@ -363,7 +363,7 @@ def answer(folder: Path, number: int, words: str, by: str) -> int:
 @folder
 def write(folder: Path) -> int:
     """Write all results anew, from the stored gradings and the log."""
-    from grader.classroom.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
     with marking(folder) as class_:
         return _told(class_.write())

@@ -13,7 +13,7 @@ from rclpy_virtual_time.link.foreign import write
 
 if TYPE_CHECKING:
     from grader.classroom.amendments.log import Entry
-    from grader.classroom.marking import Marking
+    from grader.classroom.desk.marking import Marking
 
 EXAMPLES = """\b
 Examples:
@@ -29,7 +29,7 @@ Examples:
 @click.option("--json", "json_", metavar="PATH|-", help="Write the log as JSON; -: to stdout.")
 def report(folder: Path, student: str, json_: str | None) -> int:
     """Print the log of marks of a graded class: who changed what, when and why."""
-    from grader.classroom.marking import is_about, reading  # noqa: PLC0415
+    from grader.classroom.desk.marking import is_about, reading  # noqa: PLC0415
     from grader.classroom.progress import say  # noqa: PLC0415
     from grader.report.terminal import Console  # noqa: PLC0415
 

@@ -9,8 +9,8 @@ import reporting
 from arena import EXERCISE, FULL, ROOT
 from whole_class import COURSE, hand_in
 
+from grader.classroom.queue.store import Store
 from grader.classroom.row import GRADED, StoredResult
-from grader.classroom.store import Store
 
 FILE = EXERCISE.files[0]
 HONEST = (EXERCISE.solutions / FILE).read_bytes()

@@ -11,7 +11,7 @@ from msgspec.structs import replace as replace_struct
 from grader.classroom.amendments import change as changes
 from grader.classroom.amendments.late import lateness
 from grader.classroom.amendments.log import Entry, style_words
-from grader.classroom.marks import TO_HOLD, checks_of, points_of, task_of
+from grader.classroom.amendments.marks import TO_HOLD, checks_of, points_of, task_of
 from grader.classroom.row import ABSENT, GRADED, HELD, UNJUDGED, Amended, StoredResult
 from grader.course.exercises import find_exercise
 from grader.course.score import score_of

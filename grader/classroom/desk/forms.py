@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grader.classroom import asked
 from grader.classroom.amendments.change import Change, Undo
-from grader.classroom.marking import Marking
+from grader.classroom.desk import asked
+from grader.classroom.desk.marking import Marking
 from grader.errors import InputError
 from grader.lms.sheets import decoded
 from grader.lms.told import number, whole

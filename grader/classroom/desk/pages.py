@@ -9,13 +9,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from grader.classroom import asked
 from grader.classroom.amendments.apply import version_of
 from grader.classroom.amendments.change import Comment, Style
 from grader.classroom.amendments.log import Entry, active, described, undone_by
+from grader.classroom.amendments.marks import checks_of, is_held, tasks_of, why_held
+from grader.classroom.desk import asked
 from grader.classroom.desk.forms import AT_ONCE, Form, change_of
-from grader.classroom.marking import Marked, Marking, is_about, marking, reading
-from grader.classroom.marks import checks_of, is_held, tasks_of, why_held
+from grader.classroom.desk.marking import Marked, Marking, is_about, marking, reading
 from grader.classroom.results.page import render
 from grader.classroom.row import StoredResult
 from grader.course.exercises import all_exercises

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from grader.classroom import marks
+from grader.classroom.amendments import marks
 from grader.classroom.amendments.log import described, undone_by
 from grader.classroom.results.items import Distribution, Item, distribution, failures
 from grader.classroom.results.options import ResultOptions

@@ -8,7 +8,7 @@ import json
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
-from grader.classroom.marks import as_shown, points_of, task_of
+from grader.classroom.amendments.marks import as_shown, points_of, task_of
 from grader.classroom.results.files import write_text
 from grader.classroom.results.page import render
 from grader.classroom.row import StoredResult

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from grader.classroom.marks import Check, checks_of, points_of
+from grader.classroom.amendments.marks import Check, checks_of, points_of
 from grader.classroom.row import StoredResult
 from grader.lms.book import Task
 from grader.lms.clean import one_line

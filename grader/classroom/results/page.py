@@ -11,7 +11,7 @@ from urllib.parse import quote
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from grader.classroom import marks
+from grader.classroom.amendments import marks
 from grader.classroom.results import words
 from grader.lms.clean import one_line, visible
 from grader.report.page import GENERATED_BY

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from grader.classroom import marks
+from grader.classroom.amendments import marks
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.row import GRADED, StoredResult, as_graded
 from grader.lms.book import Book, Mark, StudentRow

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from itertools import groupby, product
 from pathlib import Path
 
-from grader.classroom.marks import as_shown, checks_of, is_graded, task_of, tasks_of
+from grader.classroom.amendments.marks import as_shown, checks_of, is_graded, task_of, tasks_of
 from grader.classroom.results.class_page import class_page
 from grader.classroom.results.feedback import index_page, lost_page, write_page
 from grader.classroom.results.files import replacing, write_text

@@ -2,7 +2,7 @@
 
 import pytest
 
-from grader.classroom.conditions import _sources
+from grader.classroom.queue.conditions import _sources
 from grader.course.exercises import JUDGE, ROOT, Exercise, all_exercises
 
 CHECKS = ROOT / "grader" / "checks"

@@ -10,12 +10,12 @@ import pytest
 from handing_in import AGENT as FILE
 from handing_in import put
 
-from grader.classroom import engine
 from grader.classroom.batch import autograde
-from grader.classroom.canaries import canaries_of
 from grader.classroom.options import Options
+from grader.classroom.queue import engine
+from grader.classroom.queue.canaries import canaries_of
+from grader.classroom.queue.work import Unit, UnitResult
 from grader.classroom.row import StoredResult
-from grader.classroom.work import Unit, UnitResult
 from grader.course.exercises import find_exercise
 from grader.grading.handed_in import isolation_problem
 

@@ -14,8 +14,8 @@ from fake_class import grading
 from made_results import check
 
 from grader.classroom.amendments.change import Score, Whom
-from grader.classroom.marking import marking
-from grader.classroom.work import Unit, UnitResult
+from grader.classroom.desk.marking import marking
+from grader.classroom.queue.work import Unit, UnitResult
 
 ANN = Whom(("ann",))
 CHECKS = (check("stop_zone", "pass", 60), check("slow_zone", "fail", 30), check("blind", "pass"))

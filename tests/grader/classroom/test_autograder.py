@@ -17,8 +17,8 @@ import pytest
 
 from grader.classroom import autograder
 from grader.classroom.autograder import SECRET, SETTINGS, composed, main, submitter
+from grader.classroom.queue.work import UnitResult
 from grader.classroom.row import GRADED, StoredResult
-from grader.classroom.work import UnitResult
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.students import student_key
 

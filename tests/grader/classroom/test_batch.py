@@ -10,10 +10,10 @@ import pytest
 from fake_class import FILE, SLUG, Drifting, fair, grading
 from handing_in import put
 
-from grader.classroom import candidates
-from grader.classroom.engine import DaskWorkers
+from grader.classroom.intake import candidates
+from grader.classroom.queue.engine import DaskWorkers
+from grader.classroom.queue.work import Unit, UnitResult
 from grader.classroom.row import ABSENT, GRADED, HELD, TWICE
-from grader.classroom.work import Unit, UnitResult
 from grader.course.students import student_key
 from grader.errors import InputError
 from grader.lms.sheets import read_roster

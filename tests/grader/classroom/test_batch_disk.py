@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from fake_class import FILE, fair, grading
 
-from grader.classroom import grading_run
+from grader.classroom.queue import grading_run
+from grader.classroom.queue.store import Store
+from grader.classroom.queue.work import Unit, UnitResult
 from grader.classroom.row import GRADED, HELD, WAITING
-from grader.classroom.store import Store
-from grader.classroom.work import Unit, UnitResult
 from grader.errors import DiskFull, is_disk_full
 
 # --- what can't be stored --------------------------------------------------------------------

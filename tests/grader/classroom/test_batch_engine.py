@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from grader.classroom import engine, work
-from grader.classroom.engine import LocalWorkers
+from grader.classroom.queue import engine, work
+from grader.classroom.queue.engine import LocalWorkers
 
 ROOT = Path(__file__).resolve().parents[3]
 PARENT = """\
 import io
 import os
-from grader.classroom.engine import LocalWorkers
+from grader.classroom.queue.engine import LocalWorkers
 
 if __name__ == "__main__":
     workers = LocalWorkers(1)

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from grader.authoring.mutants import find_mutant
+from grader.classroom.queue.store import Store
 from grader.classroom.row import StoredResult
-from grader.classroom.store import Store
 from grader.course.exercises import find_exercise
 
 pytestmark = pytest.mark.long

@@ -10,8 +10,8 @@ from fake_class import Drifting, Judge, fair, grading
 from rich.console import Console
 
 from grader.classroom.progress import Progress
+from grader.classroom.queue.work import Unit, UnitResult
 from grader.classroom.row import GRADED, HELD, TWICE
-from grader.classroom.work import Unit, UnitResult
 
 STALLED = grading("stop_zone", outcome="inconclusive")
 

@@ -9,7 +9,7 @@ import pytest
 from handing_in import AGENT as FILE
 from handing_in import put, taken
 
-from grader.classroom.candidates import find_class
+from grader.classroom.intake.candidates import find_class
 from grader.classroom.intake.exercise_files import find_files
 from grader.classroom.options import Options
 

@@ -15,13 +15,13 @@ from fake_class import FILE, SLUG
 from marked_class import payload, points
 from test_whole_class import folder_of, in_folders, judge, moodles, people
 
-from grader.classroom import asked
 from grader.classroom.amendments.change import Comment, Style, Undo
 from grader.classroom.amendments.log import described
+from grader.classroom.desk import asked
 from grader.classroom.desk.forms import Form
+from grader.classroom.desk.marking import marking, reading
 from grader.classroom.folder import UNWRITTEN
-from grader.classroom.marking import marking, reading
-from grader.classroom.store import Store
+from grader.classroom.queue.store import Store
 from grader.errors import InputError
 from grader.lms.sheets import read_roster
 

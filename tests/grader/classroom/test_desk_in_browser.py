@@ -12,8 +12,8 @@ from desk_client import open_desk
 from fake_class import FILE, SLUG
 from marked_class import judged, points
 
-from grader.classroom.asked import RUBRIC, request, text_of
-from grader.classroom.marking import reading
+from grader.classroom.desk.asked import RUBRIC, request, text_of
+from grader.classroom.desk.marking import reading
 
 pytestmark = pytest.mark.long
 NAME = "<script>pwned=1<!script>\u202eevil \x1b[31mred"

@@ -9,7 +9,7 @@ import pytest
 from handing_in import AGENT, put, taken
 
 from grader.classroom.account import Account, Line
-from grader.classroom.candidates import OTHER_CLASS, Class, find_class
+from grader.classroom.intake.candidates import OTHER_CLASS, Class, find_class
 from grader.classroom.intake.exercise_files import find_files
 from grader.classroom.intake.students import take_in
 from grader.classroom.options import Options

@@ -16,8 +16,8 @@ from importers import Canvas, MoodleAssignment
 from made_results import book as book_of
 from made_results import check, result
 
-from grader.classroom.candidates import find_class
-from grader.classroom.marks import tasks_of
+from grader.classroom.amendments.marks import tasks_of
+from grader.classroom.intake.candidates import find_class
 from grader.classroom.options import Options
 from grader.classroom.results.options import ResultOptions, column_titles
 from grader.classroom.results.write import write_results

@@ -19,13 +19,13 @@ from grader.classroom.amendments.apply import amended
 from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, Undo, Waive, Whom
 from grader.classroom.amendments.late import lateness, moment_of, times_of
 from grader.classroom.amendments.log import Entry
+from grader.classroom.amendments.marks import points_of
 from grader.classroom.amendments.people import the_student
+from grader.classroom.desk.marking import marking, reading
 from grader.classroom.folder import UNWRITTEN
-from grader.classroom.marking import marking, reading
-from grader.classroom.marks import points_of
+from grader.classroom.queue.store import Store
 from grader.classroom.results import write
 from grader.classroom.row import GRADED, HELD
-from grader.classroom.store import Store
 from grader.errors import DiskFull, GraderError, InputError
 from grader.lms.book import Handed, StudentRow
 from grader.lms.people import Person

@@ -16,9 +16,9 @@ from marked_class import points
 
 from grader.classroom import batch
 from grader.classroom.options import Options
+from grader.classroom.queue.store import Store
+from grader.classroom.queue.work import Unit, UnitResult
 from grader.classroom.row import GRADED, WAITING
-from grader.classroom.store import Store
-from grader.classroom.work import Unit, UnitResult
 from grader.cli import cli
 from grader.errors import GraderError, InputError
 from grader.lms.people import Person, Roster

@@ -24,10 +24,10 @@ from marked_class import ANN, judged, points
 
 from grader.classroom.amendments import change as changes
 from grader.classroom.amendments.change import Change, Unread, Whom
-from grader.classroom.asked import RUBRIC
 from grader.classroom.desk import pages
+from grader.classroom.desk.asked import RUBRIC
 from grader.classroom.desk.forms import Form
-from grader.classroom.marking import Marking, marking, reading
+from grader.classroom.desk.marking import Marking, marking, reading
 from grader.cli import marks, run
 from grader.errors import GraderError, InputError
 from grader.lms.sheets import read_roster

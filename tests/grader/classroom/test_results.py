@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from made_results import OBSTACLES, book, check, classes, for_gradescope, result
 
-from grader.classroom.marks import points_of, tasks_of, why_held
+from grader.classroom.amendments.marks import points_of, tasks_of, why_held
 from grader.classroom.results import write
 from grader.classroom.results.items import distribution, failures
 from grader.classroom.results.options import ResultOptions

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from grader.classroom.queue.store import Store
 from grader.classroom.row import GRADED, HELD, RUNNING, WAITING
-from grader.classroom.store import Store
 from grader.errors import InputError
 
 ANN, BOB = ("ann", "goal_seeking"), ("bob", "goal_seeking")
@@ -83,7 +83,7 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
 
 def test_kill_9_leaves_what_was_finished(tmp_path: Path) -> None:
     script = (
-        "import os, sys; from pathlib import Path; from grader.classroom.store import Store\n"
+        "import os, sys; from pathlib import Path; from grader.classroom.queue.store import Store\n"
         "store = Store(Path(sys.argv[1]))\n"
         "for n in range(5):\n"
         "    key = (f's{n}', 'e'); store.enter(key, 'h'); store.claim(key, 'h', [])\n"

@@ -19,9 +19,9 @@ from fake_class import FILE, SLUG, grading
 from importers import MOODLE
 from marked_class import give, points, scores
 
-from grader.classroom.marking import Marking, marking
-from grader.classroom.store import Store
-from grader.classroom.work import Unit, UnitResult
+from grader.classroom.desk.marking import Marking, marking
+from grader.classroom.queue.store import Store
+from grader.classroom.queue.work import Unit, UnitResult
 from grader.course.exercises import find_exercise
 from grader.errors import InputError
 from grader.lms.people import Roster, squeezed

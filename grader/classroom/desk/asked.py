@@ -24,7 +24,7 @@ from grader.lms.told import number, span, words
 from rclpy_virtual_time.link.cell import Refused, read_in_cell
 
 if TYPE_CHECKING:
-    from grader.classroom.marking import Marking
+    from grader.classroom.desk.marking import Marking
     from grader.lms.book import Task
 
 RUBRIC = "rubric.toml"  # in the folder of the class

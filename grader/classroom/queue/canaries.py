@@ -14,8 +14,8 @@ from dataclasses import dataclass, field, replace
 
 from grader.authoring.claims import claims
 from grader.classroom.options import Options
-from grader.classroom.store import Key, Store
-from grader.classroom.work import Unit, UnitResult, stalled
+from grader.classroom.queue.store import Key, Store
+from grader.classroom.queue.work import Unit, UnitResult, stalled
 from grader.course.exercises import Exercise
 
 REFERENCE, MUTANT = ".reference", ".mutant"  # no student's id begins with a dot

@@ -23,7 +23,7 @@ from concurrent.futures import (
 from pathlib import Path
 from typing import Any
 
-from grader.classroom.work import Unit, UnitResult, grade_unit
+from grader.classroom.queue.work import Unit, UnitResult, grade_unit
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import isolation_problem
 from rclpy_virtual_time.link.interpreter import own_processes

@@ -10,14 +10,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.classroom import engine
-from grader.classroom.canaries import Canaries, Verdict
-from grader.classroom.candidates import Candidate
+from grader.classroom.intake.candidates import Candidate
 from grader.classroom.options import Options
 from grader.classroom.progress import Progress
+from grader.classroom.queue import engine
+from grader.classroom.queue.canaries import Canaries, Verdict
+from grader.classroom.queue.store import Key, Store
+from grader.classroom.queue.work import Unit, UnitResult, stalled, unjudged
 from grader.classroom.row import GRADED, HELD, STALLS, TWICE, StoredResult
-from grader.classroom.store import Key, Store
-from grader.classroom.work import Unit, UnitResult, stalled, unjudged
 from grader.errors import DiskFull, InputError, is_disk_full
 from rclpy_virtual_time.link.scratch import has_space
 

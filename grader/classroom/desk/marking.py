@@ -18,12 +18,12 @@ import msgspec
 from grader.classroom.amendments.apply import amended, version_of
 from grader.classroom.amendments.change import Accept, Assign, Change, Undo, Whom
 from grader.classroom.amendments.log import Entry, active, undone_by
+from grader.classroom.amendments.marks import checks_of, points_of, state_of, task_of, tasks_of
 from grader.classroom.amendments.people import nearest, the_student
 from grader.classroom.folder import UNWRITTEN, locked, opened, write_class
-from grader.classroom.marks import checks_of, points_of, state_of, task_of, tasks_of
+from grader.classroom.queue.store import Store
 from grader.classroom.results.options import OPTIONS, ResultOptions, kept_options
 from grader.classroom.row import StoredResult, as_graded
-from grader.classroom.store import Store
 from grader.errors import InputError, naming_a_full_disk
 from grader.lms.book import StudentRow, Task
 

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.classroom.account import Account, Fate, Line, student_lines
-from grader.classroom.conditions import fingerprint, submission_hash
 from grader.classroom.intake.exercise_files import WORK, Found, find_files, find_sole, left_over
 from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.classroom.intake.skeletons import is_handed_out
 from grader.classroom.intake.students import Intake, take_in
 from grader.classroom.intake.whose import NOTHING_KNOWN, Known
 from grader.classroom.options import Options
-from grader.classroom.store import Key
+from grader.classroom.queue.conditions import fingerprint, submission_hash
+from grader.classroom.queue.store import Key
 from grader.course.beside import MAX_BYTES
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.students import Seed, student_key

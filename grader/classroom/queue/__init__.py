@@ -1,0 +1,1 @@
+"""The queue of a class: what waits is graded on workers, and known solutions watch the grader."""
