@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
-from functools import partial
 
-from grader.classroom.intake.handed_in import Student
 from grader.lms.tables import csv_text
 
 MOST = 20  # lines at the terminal
-LINKS = "links, which are not followed"
 HEADER = ("entry", "file", "student", "exercise", "state", "reason", "look at it")
 
 
@@ -78,24 +74,3 @@ class Account:
         if len(faults) > MOST:
             lines.append(f"  and {len(faults) - MOST} more, in the class report and in intake.csv")
         return lines
-
-
-def student_lines(student: Student, fates: Mapping[int, Line]) -> list[Line]:
-    """Return a line for each of a student's files; what became of some is given by `id(file)`."""
-    lines = [
-        replace(
-            fates.get(id(file), Line(Fate.EXTRA)),
-            entry=file.entry.path.name, file=file.name, student=student.id,
-        )
-        for file in student.files
-    ]  # fmt: skip
-    line = partial(
-        Line, entry="; ".join(each.path.name for _, each in student.entries), student=student.id
-    )
-    if student.problem:  # the student is held for it
-        lines.append(line(Fate.UNREADABLE, reason=student.problem, held=True))
-    elif not student.files and student.links:
-        lines.append(line(Fate.UNREADABLE, reason=LINKS, held=True))
-    elif not student.files:
-        lines.append(line(Fate.NOTHING))
-    return lines

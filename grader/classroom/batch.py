@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
+import hmac
+import json
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -15,7 +18,7 @@ from grader.classroom.folder import STORE, locked, write_class
 from grader.classroom.intake.candidates import Class, find_class
 from grader.classroom.intake.entering import enter_candidates, known_of
 from grader.classroom.intake.whose import NOTHING_KNOWN
-from grader.classroom.options import Options, refuse_another
+from grader.classroom.options import Options
 from grader.classroom.progress import Progress
 from grader.classroom.queue.grading_run import PARTS, RECORDINGS, GradingRun
 from grader.classroom.queue.store import Store
@@ -23,13 +26,14 @@ from grader.classroom.results.options import OPTIONS, ResultOptions, column_titl
 from grader.classroom.results.sources import SOURCES, write_course, write_sources
 from grader.classroom.results.write import Written
 from grader.classroom.row import StoredResult
-from grader.errors import naming_a_full_disk
+from grader.errors import InputError, naming_a_full_disk
 from rclpy_virtual_time.link.scratch import sweep
 
 NO_SPACE = (
     "the disk is full, so the batch has stopped. Free some space where {out} is, and in "
     "{temporary}, and run the same command again: it resumes where it left off"
 )
+SECRET = "secret"  # what the store calls the mark of the class's
 UNPACKED = ".unpacked"  # archives, during a run
 
 
@@ -87,7 +91,7 @@ def autograde(
     ):
         sweep()
         store.requeue_running()
-        refuse_another(options, store)
+        _refuse_another(options, store)
         taken_in = enter_candidates(submissions, scratch, store, options, regrade=regrade)
         if taken_in.said:
             progress.say(taken_in.said)
@@ -119,6 +123,30 @@ def autograde(
             store.requeue_running()
         results, written = writer.write(notes, over=True)
         return GradedClass(results, written.missing, taken_in.account)
+
+
+def _refuse_another(options: Options, store: Store) -> None:
+    """Refuse what contradicts the last run into this folder.
+
+    Raises InputError: the class has a secret, and this is none or another; or something was hidden
+    from students, and nothing is said of that now.
+    """
+    secret, before = options.secret, store.kept(SECRET)
+    # what tells one secret from another and nothing else of it
+    mark = hmac.new(secret, b"this class", hashlib.sha256).hexdigest()[:16] if secret else ""
+    if before not in ("", mark):
+        raise InputError(
+            "--secret: expected the file that this class was graded with, in whose worlds all its "
+            f"results are, but there is {'another' if secret else 'none'}; for other worlds give "
+            "another --out"
+        )
+    hidden = json.loads(store.kept(OPTIONS) or "{}").get("hide", "nothing")
+    if not options.hide and hidden != "nothing":
+        raise InputError(
+            f"--hide: the last run hid {hidden} from students; give --hide {hidden} again, or "
+            "--hide nothing"
+        )
+    store.keep(SECRET, mark)
 
 
 def _students(words: Sequence[str], store: Store, taken_in: Class) -> set[str]:

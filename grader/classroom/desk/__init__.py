@@ -1,1 +1,1 @@
-"""`course desk`: a page to work in, on this machine, for the instructor and assistants."""
+"""Where people change marks: by commands (`marking`, `asked`), or at a page (`server`)."""

@@ -11,21 +11,18 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from grader.classroom.amendments import change as changes
 from grader.classroom.amendments.late import moment_of, times_of, zone_of
 from grader.classroom.amendments.log import Entry, active
 from grader.classroom.amendments.people import nearest
+from grader.classroom.desk.marking import Marking
 from grader.course.submission import read_regular_file
 from grader.errors import InputError
+from grader.lms.book import Task
 from grader.lms.clean import visible
 from grader.lms.told import number, span, words
 from rclpy_virtual_time.link.cell import Refused, read_in_cell
-
-if TYPE_CHECKING:
-    from grader.classroom.desk.marking import Marking
-    from grader.lms.book import Task
 
 RUBRIC = "rubric.toml"  # in the folder of the class
 READ, SENT = "looked at", "sent by the student"  # reasons, where none is asked for

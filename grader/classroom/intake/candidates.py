@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
-from grader.classroom.account import Account, Fate, Line, student_lines
+from grader.classroom.account import Account, Fate, Line
 from grader.classroom.intake.exercise_files import WORK, Found, find_files, find_sole, left_over
-from grader.classroom.intake.handed_in import HandedIn, Student
+from grader.classroom.intake.handed_in import Student
 from grader.classroom.intake.skeletons import is_handed_out
 from grader.classroom.intake.students import Intake, take_in
 from grader.classroom.intake.whose import NOTHING_KNOWN, Known
 from grader.classroom.options import Options
-from grader.classroom.queue.conditions import fingerprint, submission_hash
+from grader.classroom.queue.candidate import Candidate
+from grader.classroom.queue.conditions import fingerprint
 from grader.classroom.queue.store import Key
-from grader.course.beside import MAX_BYTES
 from grader.course.exercises import Exercise, all_exercises, find_exercise
-from grader.course.students import Seed, student_key
-from grader.course.submission import read_regular_file
+from grader.course.students import student_key
 from grader.errors import InputError
 from grader.lms.book import Handed, StudentRow
 from grader.lms.clean import one_line
@@ -28,8 +27,6 @@ from grader.lms.people import NO_PERSON
 from grader.lms.platform import Entry
 from grader.lms.told import EXPECTED, moment
 
-MOST_SHOWN = 20  # files of a student's for a person to read
-LONGEST_SHOWN = 100_000  # [bytes] of each
 OTHER_CLASS = "nobody in it handed in anything here: is it this class's roster?"
 ANONYMOUS = (
     "the download is anonymous, and no gradebook has its ids; end that in the assignment's "
@@ -41,6 +38,7 @@ CONTRARY = (
     "was one of them handed in to the wrong assignment?"
 )
 SUSPECT = "may be an exercise that is missing; no exercise has a file of this name"
+LINKS = "links, which are not followed"
 SKELETON = "still as it was handed out, so it was not handed in"
 ACCEPTED = "accepted by a person"
 NO_TIME = "{!r}, when it was handed in, is no time, and counts as none; {}"
@@ -49,58 +47,6 @@ ANOTHER = (
     "it is the same one: course marks assign FOLDER {!r} {!r}; if not, give the grading worksheet "
     "as --roster"
 )
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """One student's files for one exercise, where they lie."""
-
-    student: str
-    exercise: Exercise
-    found: Found
-    seed: Seed | None
-    conditions: str  # fingerprint of the grader that would judge them
-    absent: bool = False  # nothing was handed in for this exercise
-    whose: str = ""  # why it is nobody's yet; it is held then
-    leader: str = ""  # of a group: who is graded for all of it
-    unknown: tuple[HandedIn, ...] = ()  # all that was handed in, if none of it is the exercise's
-
-    def read(self) -> tuple[dict[str, bytes], str]:
-        """Return the files' contents by name, and why nothing can be graded.
-
-        The reason is "" if it can be, or if nothing was handed in.
-        """
-        try:
-            files = {name: read_regular_file(path) for name, path in self.found.files.items()}
-            more = self.found.every.items()
-            files |= {n: read_regular_file(path, MAX_BYTES) for n, path in more if n not in files}
-        except OSError as error:
-            name = Path(str(error.filename)).name if error.filename else "a file"
-            return {}, f"{name} can't be read ({error.strerror})"
-        return files, "" if self.absent else self.whose or self.found.problem
-
-    def texts(self) -> dict[str, bytes]:
-        """Return the student's Python, by its place; what can't be read is left out."""
-        found = {}
-        for name, path in self.found.python.items():
-            with contextlib.suppress(OSError):
-                found[name] = read_regular_file(path)
-        return found
-
-    def shown(self) -> dict[str, bytes]:
-        """Return the texts for a person to read: the student's Python, or what may be it."""
-        rest = {each.name: each.path for each in self.unknown if each.name.lower().endswith(WORK)}
-        paths = {**self.found.files, **self.found.python} or rest
-        found = {}
-        for name, path in list(paths.items())[:MOST_SHOWN]:
-            with contextlib.suppress(OSError):
-                found[name] = read_regular_file(path, LONGEST_SHOWN)
-        return found
-
-    def input_hash(self, files: Mapping[str, bytes], options: Options) -> str:
-        """Return a hash of all that the grading of these files depends on."""
-        submitted = submission_hash(self.exercise, files, seed=self.seed, field=options.field)
-        return f"{submitted}{self.conditions}"
 
 
 @dataclass(frozen=True)
@@ -150,13 +96,14 @@ def find_class(
             candidates[student.id, slug] = Candidate(
                 student.id,
                 exercise,
-                each,
+                each.files,
+                each.every,
+                _readable(student, each),
                 student_key(options.secret, leader or student.id, slug) if options.secret else None,
                 conditions[slug],
+                student.whose or _another(student, slug, each, known) or each.problem,
                 absent=nothing and not each.files,
-                whose=student.whose or _another(student, slug, each, known),
                 leader=leader,
-                unknown=() if each.files else tuple(student.files),
             )
     odd: list[Line] = []  # times
     students = tuple(
@@ -165,6 +112,12 @@ def find_class(
     )  # fmt: skip
     account = _account(intake, found, exercises, options)
     return Class(candidates, Account((*account.lines, *odd)), students)
+
+
+def _readable(student: Student, found: Found) -> dict[str, Path]:
+    """Return what a person may read: the student's Python by its place, or what may be it."""
+    rest = {file.name: file.path for file in student.files if file.name.lower().endswith(WORK)}
+    return {**found.files, **found.python} or rest
 
 
 def _leaders(found: Mapping[str, Mapping[str, Found]]) -> dict[Key, str]:
@@ -246,7 +199,7 @@ def _account(
         reason = ANONYMOUS if anonymous else OTHER_CLASS
         lines.append(Line(Fate.UNKNOWN, entry=sheets, reason=reason, fault=True))
     for student in intake.students:
-        lines += student_lines(student, _fates(student, found[student.id], wanted))
+        lines += _student_lines(student, _fates(student, found[student.id], wanted))
         if options.roster.people and student.person is None:
             reason, held = student.whose or NOBODY_SO, bool(student.whose)
             lines.append(Line(Fate.STRANGER, student=student.id, reason=reason,
@@ -255,6 +208,27 @@ def _account(
         state = Fate.UNKNOWN if each.fault else Fate.LEFT_OUT
         lines.append(Line(state, entry=each.name, reason=each.reason, fault=each.fault))
     return Account(tuple(lines))
+
+
+def _student_lines(student: Student, fates: Mapping[int, Line]) -> list[Line]:
+    """Return a line for each of a student's files; what became of some is given by `id(file)`."""
+    lines = [
+        replace(
+            fates.get(id(file), Line(Fate.EXTRA)),
+            entry=file.entry.path.name, file=file.name, student=student.id,
+        )
+        for file in student.files
+    ]  # fmt: skip
+    line = partial(
+        Line, entry="; ".join(each.path.name for _, each in student.entries), student=student.id
+    )
+    if student.problem:  # the student is held for it
+        lines.append(line(Fate.UNREADABLE, reason=student.problem, held=True))
+    elif not student.files and student.links:
+        lines.append(line(Fate.UNREADABLE, reason=LINKS, held=True))
+    elif not student.files:
+        lines.append(line(Fate.NOTHING))
+    return lines
 
 
 def _fates(

@@ -9,9 +9,10 @@ from pathlib import Path
 from grader.classroom.account import Account, Fate
 from grader.classroom.amendments.change import Accept, Assign
 from grader.classroom.amendments.log import active
-from grader.classroom.intake.candidates import Candidate, Class, find_class
+from grader.classroom.intake.candidates import Class, find_class
 from grader.classroom.intake.whose import Known
 from grader.classroom.options import Options
+from grader.classroom.queue.candidate import Candidate
 from grader.classroom.queue.conditions import HASHED
 from grader.classroom.queue.store import Key, Store
 from grader.classroom.results.options import OPTIONS, kept_options

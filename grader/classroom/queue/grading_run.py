@@ -10,11 +10,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.classroom.intake.candidates import Candidate
 from grader.classroom.options import Options
 from grader.classroom.progress import Progress
 from grader.classroom.queue import engine
 from grader.classroom.queue.canaries import Canaries, Verdict
+from grader.classroom.queue.candidate import Candidate
 from grader.classroom.queue.store import Key, Store
 from grader.classroom.queue.work import Unit, UnitResult, stalled, unjudged
 from grader.classroom.row import GRADED, HELD, STALLS, TWICE, StoredResult
@@ -111,7 +111,7 @@ class GradingRun:
         if self.options.bags and not self.options.dask:
             bag_folder = str(self._new_bag_folder().resolve())
         self._running.add(key)
-        self.store.claim(key, candidate.input_hash(files, self.options), candidate.found.files)
+        self.store.claim(key, candidate.input_hash(files, self.options), candidate.files)
         return Unit(
             *key, files, seed=candidate.seed, field=self.options.field,
             bags=self.options.bags, bag_folder=bag_folder,

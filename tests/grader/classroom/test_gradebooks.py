@@ -50,7 +50,7 @@ def taken(
     options = Options(exercises=(SLUG,), roster=roster)
     found = find_class([place / "in"], place / "scratch", options)
     results = [
-        graded(student, 37 if "Bob" in student else 60) if one.found.files else absent(student)
+        graded(student, 37 if "Bob" in student else 60) if one.files else absent(student)
         for (student, _), one in found.candidates.items()
     ]
     results = [replace(one, state=HELD) if one.student == held else one for one in results]
