@@ -14,16 +14,18 @@ from rclpy_virtual_time.link.pool import ForkServerPool
 from rclpy_virtual_time.link.practice import PracticeServer
 from rclpy_virtual_time.link.ros_environment import RosEnvironment
 from sim.messages import EPOCH_NS
+from sim.sensors import SENSORS
 
 if TYPE_CHECKING:
     from rclpy_virtual_time.link.hosts import ForkServer
 
 ADVICE = "grader.advice:Advisor"
-HOSTED = (  # what hosts of nodes need of the course; they can't read its files
+HOSTED = (  # what hosts of nodes need: of the course, whose files they can't read; sensors' types
     "grader.colcon.packages",
     "grader.hosted.supplied.classifiers",
     "grader.hosted.supplied.kept",
     "grader.hosted.supplied.probes",
+    *(sensor.type for sensor in SENSORS),
 )
 COURSE: dict[str, Any] = {
     "advice": ADVICE,

@@ -37,17 +37,7 @@ STRING = "std_msgs/msg/String"
 UINT32 = "std_msgs/msg/UInt32"
 TF_MESSAGE = "tf2_msgs/msg/TFMessage"
 
-OFFERED = {  # what a scenario can have the robot send: topic → type
-    SCAN_TOPIC: LASER_SCAN,
-    ODOM_TOPIC: ODOMETRY,
-    GOAL_TOPIC: POSE_STAMPED,
-    CMD_VEL_RAW_TOPIC: TWIST,
-    E_STOP_TOPIC: BOOL,
-    TF_TOPIC: TF_MESSAGE,
-    TF_STATIC_TOPIC: TF_MESSAGE,
-}
 LATCHED = frozenset({TF_STATIC_TOPIC})  # sent once: who comes later hears the last message
-SENSORS = frozenset({SCAN_TOPIC, ODOM_TOPIC})  # the topics to which `[qos] sensors` applies
 
 LASER_FRAME = "laser"
 ODOM_FRAME = "odom"

@@ -7,10 +7,19 @@ robot to see how a node reacts to a new pose.
 
 import math
 
-from sim.layout import Pose
-from sim.messages import BASE_FRAME, ODOM_FRAME, Message, odometry, transform
-from sim.scenario import OdometrySpec
-from sim.schedule import Event
+from sim.events import Event, periodic
+from sim.faults import Times, deliveries, sensor_rng, survivors
+from sim.layout import Layout, Pose
+from sim.messages import (
+    BASE_FRAME,
+    ODOM_FRAME,
+    ODOM_TOPIC,
+    ODOMETRY,
+    Message,
+    odometry,
+    transform,
+)
+from sim.scenario import Scenario
 
 
 class Odometry:
@@ -18,15 +27,32 @@ class Odometry:
 
     Parameters
     ----------
-    spec
-        Scales (1 = no drift).
-    start
-        The true pose at the start, which is also the first estimate [m, m, rad].
+    scenario, layout
+        Scales (1 = no drift); the true pose at the start, which is also the first estimate.
+    seed
+        Changes nothing of what is measured.
     """
 
-    def __init__(self, spec: OdometrySpec, start: Pose) -> None:
+    topic, type, table = ODOM_TOPIC, ODOMETRY, "odometry"
+
+    def __init__(self, scenario: Scenario, layout: Layout, seed: int) -> None:
+        spec = scenario.odometry
         self._linear_scale, self._angular_scale = spec.linear_scale, spec.angular_scale
-        self._true = self._estimate = self._reported = start
+        self._true = self._estimate = self._reported = layout.start
+
+    @staticmethod
+    def rate(scenario: Scenario) -> float:
+        """Return its messages per second [Hz]."""
+        return scenario.odometry.rate
+
+    @staticmethod
+    def arrivals(scenario: Scenario, seed: int) -> tuple[Times, Times]:
+        """Return when the messages that arrive are measured, and when they arrive [ns]."""
+        spec, faults = scenario.odometry, scenario.faults
+        rng = sensor_rng(seed, "odometry link")
+        times = periodic(spec.phase, spec.rate, scenario.duration)
+        times = times[survivors(times, faults.odom_loss, rng, ())]
+        return times, deliveries(times, faults.odom_latency, 0.0, rng)
 
     def jump(self, pose: Pose) -> None:
         """Set the estimate to the true pose [m, m, rad] after a teleport."""

@@ -5,12 +5,20 @@ from numpy.typing import NDArray
 
 from sim.bench import bench_ranges
 from sim.caster import Caster, faces, static_faces
-from sim.faults import measured, sensor_rng, speckle
+from sim.events import Event, periodic
+from sim.faults import Times, deliveries, measured, sensor_rng, speckle, survivors
 from sim.layout import Floats, Layout, Pose, in_frame
-from sim.lidar import bench_readings, readings
-from sim.messages import BASE_FRAME, TF_STATIC_TOPIC, Message, laser_scan, transform
+from sim.lidar import PROFILES, bench_readings, readings
+from sim.messages import (
+    BASE_FRAME,
+    LASER_SCAN,
+    SCAN_TOPIC,
+    TF_STATIC_TOPIC,
+    Message,
+    laser_scan,
+    transform,
+)
 from sim.scenario import Scenario
-from sim.schedule import Event, scan_rate
 
 
 class Scanner:
@@ -24,13 +32,15 @@ class Scanner:
         With one that is not the scenario's own, the bench is jittered.
     """
 
+    topic, type, table = SCAN_TOPIC, LASER_SCAN, "lidar"
+
     def __init__(self, scenario: Scenario, layout: Layout, seed: int) -> None:
         self._scenario, self._carts, self._seed = scenario, layout.carts, seed
         self._rng = sensor_rng(seed, "lidar")
         repeats = [scan.repeat for scan in scenario.bench]
         self._entries = np.repeat(np.arange(len(repeats)), repeats)  # of the bench, by scan
         self._profile = profile = scenario.lidar.measures
-        self._scan_time = 1.0 / scan_rate(scenario)
+        self._scan_time = 1.0 / self.rate(scenario)
         self._mount = scenario.lidar.pose
         self._caster = Caster(
             static_faces(layout),
@@ -40,7 +50,23 @@ class Scanner:
             range_max=profile.range_max,
         )
 
-    def scan(self, event: Event, pose: Pose) -> Message:
+    @staticmethod
+    def rate(scenario: Scenario) -> float:
+        """Return its scans per second [Hz]."""
+        return scenario.lidar.rate or PROFILES[scenario.lidar.profile].rate
+
+    @staticmethod
+    def arrivals(scenario: Scenario, seed: int) -> tuple[Times, Times]:
+        """Return when the scans that arrive are measured, and when they arrive [ns]."""
+        faults = scenario.faults
+        rng = sensor_rng(seed, "lidar link")
+        times = periodic(scenario.lidar.phase, Scanner.rate(scenario), scenario.duration)
+        times = times[survivors(times, faults.scan_loss, rng, faults.blackout)]
+        if scenario.bench:
+            times = times[: len(scenario.bench_scans)]
+        return times, deliveries(times, faults.scan_latency, faults.scan_jitter, rng)
+
+    def message(self, event: Event, pose: Pose, speeds: tuple[float, float]) -> Message:
         """Return the scan of this event, measured with the robot at the pose [m, m, rad]."""
         profile = self._profile
         return laser_scan(

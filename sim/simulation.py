@@ -51,6 +51,7 @@ from numpy.typing import NDArray
 
 from sim.bench import varied
 from sim.clearance import clearance
+from sim.events import Event, Kind
 from sim.faults import sensor_rng
 from sim.layout import Floats, Layout, Pose
 from sim.messages import (
@@ -68,7 +69,8 @@ from sim.placement import place, scenario_layout
 from sim.robot import STEP_NS, Robot
 from sim.scanner import Scanner
 from sim.scenario import Scenario, ScriptEvent, yaw_in_radians
-from sim.schedule import RAW_STREAM, Event, Kind, schedule
+from sim.schedule import RAW_STREAM, schedule
+from sim.sensors import SENSORS
 
 TRUTH_NS = 20_000_000  # between two samples of the truth [ns]
 
@@ -114,8 +116,9 @@ class Simulation:
         self.now = 0
         self.layout = scenario_layout(scenario, self.seed)
         self._robot = Robot(scenario.robot, self.layout)
-        self._odometry = Odometry(scenario.odometry, self.layout.start)
-        self._scanner = Scanner(scenario, self.layout, self.seed)
+        self._sensors = [sensor(scenario, self.layout, self.seed) for sensor in SENSORS]
+        [self._odometry] = [each for each in self._sensors if isinstance(each, Odometry)]
+        [self._scanner] = [each for each in self._sensors if isinstance(each, Scanner)]
         self._plan(schedule(scenario, self.seed))
         self._stepped = 0  # time that the physics has reached [ns]
         self._late = round(scenario.faults.command_latency * 1e9)  # [ns]
@@ -180,13 +183,13 @@ class Simulation:
         return Truth(t, x.copy(), y.copy(), yaw, v.copy(), w.copy(), free, touched)
 
     def _plan(self, events: list[Event]) -> None:
-        teleports = [event for event in events if event.kind is Kind.TELEPORT]
-        measurements = [event for event in events if event.kind is not Kind.TELEPORT]
+        teleports = [event for event in events if event.kind == Kind.TELEPORT]
+        measurements = [event for event in events if event.kind != Kind.TELEPORT]
         self._teleports = teleports[::-1]  # the next one last
         self._measurements = measurements[::-1]
         self._arrivals = sorted(events, key=lambda e: (e.delivery, e.kind, e.index))
         self._arrived = 0  # number of arrivals that are over
-        self._messages: dict[tuple[Kind, int], Message] = {}  # measured, not yet delivered
+        self._messages: dict[tuple[int, int], Message] = {}  # measured, not yet delivered
 
     def _step(self) -> None:
         """Do one step of physics, and make the measurements that fall into it."""
@@ -225,17 +228,15 @@ class Simulation:
 
     def _measure(self, event: Event, pose: Pose, speeds: tuple[float, float]) -> Message:
         match event.kind:
-            case Kind.SCAN:
-                return self._scanner.scan(event, pose)
-            case Kind.ODOM:
-                return self._odometry.message(event, pose, speeds)
             case Kind.TRANSFORM:
                 return self._odometry.transform(event)
             case Kind.STATIC_TRANSFORM:
                 return self._scanner.transform(event)
             case Kind.RAW:
                 return self._raw(event)
-        return self._scripted(event)
+            case Kind.GOAL | Kind.E_STOP | Kind.SCRIPTED_ODOM:
+                return self._scripted(event)
+        return self._sensors[Kind.SENSOR - event.kind].message(event, pose, speeds)
 
     def _raw(self, event: Event) -> Message:
         """Return a command of a stream on /cmd_vel_raw."""
@@ -253,10 +254,10 @@ class Simulation:
     def _scripted(self, event: Event) -> Message:
         """Return what the script sends: an e-stop, a goal or an extra pose."""
         time, entry = event.time, self._script(event)
-        if event.kind is Kind.E_STOP:
+        if event.kind == Kind.E_STOP:
             return bool_(E_STOP_TOPIC, time, bool(entry.e_stop))
         x, y, yaw = self._scripted_pose(entry)
-        if event.kind is Kind.SCRIPTED_ODOM:
+        if event.kind == Kind.SCRIPTED_ODOM:
             return odometry(time=time, x=x, y=y, yaw=yaw, qw=entry.w)
         stamp = -EPOCH_NS if entry.unstamped else time + round(entry.stamp_offset * 1e9)
         return pose_stamped(time=time, x=x, y=y, yaw=yaw, w=entry.w, stamp=stamp)
@@ -283,7 +284,7 @@ class Simulation:
             if event.delivery > self.now:
                 break
             self._arrived += 1
-            if event.kind is not Kind.TELEPORT:
+            if event.kind != Kind.TELEPORT:
                 messages.append(self._messages.pop((event.kind, event.index)))
         return messages
 

@@ -17,7 +17,8 @@ import numpy as np
 from grader.checks.commands import garbage, spell
 from grader.checks.wiring import OURS as GRADERS
 from grader.recording import Endpoint, Recording
-from sim.messages import CMD_VEL_TOPIC, GOAL_TOPIC, OFFERED, TWIST, TWIST_STAMPED, Message, decode
+from sim.messages import CMD_VEL_TOPIC, GOAL_TOPIC, TWIST, TWIST_STAMPED, Message, decode
+from sim.sensors import OFFERED
 
 COMMANDS = (TWIST, TWIST_STAMPED)  # types of messages that the robot understands
 OF_CARS = "ackermann_msgs/"  # how the types of what drives other robots begin

@@ -33,7 +33,6 @@ from sim.messages import (
     FLOAT64,
     LATCHED,
     ODOMETRY,
-    SENSORS,
     STRING,
     Message,
     bool_,
@@ -45,6 +44,7 @@ from sim.messages import (
     typestore,
 )
 from sim.scenario_files import scenario_from_json, scenario_to_json
+from sim.sensors import SENSOR_TOPICS
 from sim.simulation import Truth
 
 METADATA = "metadata.yaml"
@@ -259,7 +259,7 @@ def _offered(recording: Recording, topic: str) -> tuple[Any, ...]:
             latched=first.durability == "transient_local",
             depth=first.depth,
         )
-    lossy = topic in SENSORS and recording.scenario.qos.sensors == "sensor_data"
+    lossy = topic in SENSOR_TOPICS and recording.scenario.qos.sensors == "sensor_data"
     return profile(reliable=not lossy, latched=topic in (*LATCHED, LOG_TOPIC), depth=10)
 
 

@@ -29,12 +29,12 @@ from sim.messages import (
     EPOCH_NS,
     GOAL_TOPIC,
     ODOM_TOPIC,
-    OFFERED,
     SCAN_TOPIC,
     Message,
     canonical,
 )
 from sim.scenario import Scenario
+from sim.sensors import OFFERED
 from sim.simulation import Truth
 
 COMPLETED = "completed"

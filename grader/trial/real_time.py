@@ -43,8 +43,8 @@ from rclpy_virtual_time.link.exchange import HostForged
 from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.workplace import Excess
 from sim.messages import Message, typestore, with_epoch
+from sim.scanner import Scanner
 from sim.scenario import Scenario
-from sim.schedule import scan_rate
 from sim.simulation import Simulation
 
 HUNG_AFTER = 5.0  # [s] in a callback at the scenario's end
@@ -107,7 +107,7 @@ def _longest_stall(scenario: Scenario) -> float:
     """Return how long the machine may keep a trial waiting [s]."""
     if not scenario.lidar.enabled:
         return STALL
-    return min(STALL, STALL_SHARE / scan_rate(scenario))
+    return min(STALL, STALL_SHARE / Scanner.rate(scenario))
 
 
 def _text_of_end(program: Program) -> str:

@@ -53,7 +53,7 @@ from rclpy_virtual_time.link.pipes import Channel
 from rclpy_virtual_time.link.run_queue import RunQueue
 from rclpy_virtual_time.link.scratch import prefix
 from rclpy_virtual_time.link.workplace import Workplace
-from sim.messages import OFFERED
+from sim.sensors import OFFERED
 
 SEND_LIMIT = 5.0  # [s] for a frame to a host
 START_LIMIT = Limits.start  # [s] for a program to begin to spin: imports, models

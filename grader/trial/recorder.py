@@ -14,13 +14,13 @@ from rclpy_virtual_time.link.log import LogLine
 from rclpy_virtual_time.link.output import Output
 from sim.messages import (
     CMD_VEL_TOPIC,
-    OFFERED,
     TWIST,
     TWIST_STAMPED,
     Message,
     twist_from_cdr,
     twist_stamped_from_cdr,
 )
+from sim.sensors import OFFERED
 from sim.simulation import Simulation
 
 MAX_BYTES = 64 * 1024 * 1024  # a node may publish in one trial

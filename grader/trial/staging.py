@@ -12,8 +12,9 @@ from pathlib import Path
 from grader.course.submission import Program, Submission
 from grader.models.files import write_models
 from rclpy_virtual_time.host.frames import Offer, ProgramStart
-from sim.messages import LATCHED, OFFERED, SENSORS
+from sim.messages import LATCHED
 from sim.scenario import ProgramSpec, Scenario
+from sim.sensors import OFFERED, SENSOR_TOPICS
 
 FIRST = "course_"  # before the name of a launch file's parameters: what goes before them
 # programs of ours that run beside students'
@@ -132,6 +133,6 @@ def _ours(scenario: Scenario, files: Collection[str]) -> set[str]:
 def _offers(scenario: Scenario) -> tuple[Offer, ...]:
     reliable = scenario.qos.sensors == "reliable"
     return tuple(
-        Offer(topic, type, reliable or topic not in SENSORS, topic in LATCHED)
+        Offer(topic, type, reliable or topic not in SENSOR_TOPICS, topic in LATCHED)
         for topic, type in OFFERED.items()
     )

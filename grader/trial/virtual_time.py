@@ -45,8 +45,9 @@ from rclpy_virtual_time.link.exchange import Cost, HostDied, HostForged, HostHun
 from rclpy_virtual_time.link.launcher import Launcher
 from rclpy_virtual_time.link.link import Conversation, Link
 from rclpy_virtual_time.link.workplace import Excess
-from sim.messages import EPOCH_NS, SENSORS, Message
+from sim.messages import EPOCH_NS, Message
 from sim.scenario import Scenario
+from sim.sensors import SENSOR_TOPICS
 from sim.simulation import Simulation
 
 END_NS, END_LIMIT = 10**9, 2.0  # [ns], [s of CPU time] that programs have after a SIGINT
@@ -229,7 +230,9 @@ class _Trial:
         complete = len(self._models.inferences)
         end, until = self._simulation.end, self._simulation.end + END_NS
         again = [
-            m for m in self._recorder.delivered if end - END_NS < m.time and m.topic in SENSORS
+            m
+            for m in self._recorder.delivered
+            if end - END_NS < m.time and m.topic in SENSOR_TOPICS
         ]
         spent = 0.0  # [s]
         recorder, now, interrupt = Recorder(), end, True

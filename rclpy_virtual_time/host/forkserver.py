@@ -38,29 +38,28 @@ from .wire import Wire
 
 HOME = ".home"  # below the node's folder: what lies beside a node does not lie in ~
 REQUEST_DESCRIPTORS = 5  # link in, link out, stdout, stderr, status
-TYPE_SUPPORT = (  # the types of every node and of the exercises, loaded with their C libraries
-    ("rcl_interfaces.msg", ("ParameterEvent", "Log")),
-    ("diagnostic_msgs.msg", ("DiagnosticArray",)),
-    ("geometry_msgs.msg", ("Twist", "TwistStamped", "PoseStamped")),
-    ("nav_msgs.msg", ("Odometry",)),
-    ("sensor_msgs.msg", ("LaserScan",)),
-    ("std_msgs.msg", ("Bool", "Float64", "String", "UInt32")),
-    ("std_srvs.srv", ("Trigger",)),
-    (
-        "rcl_interfaces.srv",
-        (
-            "DescribeParameters",
-            "GetParameterTypes",
-            "GetParameters",
-            "ListParameters",
-            "SetParameters",
-            "SetParametersAtomically",
-        ),
-    ),
-    ("type_description_interfaces.srv", ("GetTypeDescription",)),
+TYPES = (  # of every node and of many, loaded with their C libraries
+    "rcl_interfaces/msg/ParameterEvent",
+    "rcl_interfaces/msg/Log",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    "geometry_msgs/msg/Twist",
+    "geometry_msgs/msg/TwistStamped",
+    "geometry_msgs/msg/PoseStamped",
+    "nav_msgs/msg/Odometry",
+    "sensor_msgs/msg/LaserScan",
+    "std_msgs/msg/Bool",
+    "std_msgs/msg/Float64",
+    "std_msgs/msg/String",
+    "std_msgs/msg/UInt32",
+    "std_srvs/srv/Trigger",
+    "rcl_interfaces/srv/DescribeParameters",
+    "rcl_interfaces/srv/GetParameterTypes",
+    "rcl_interfaces/srv/GetParameters",
+    "rcl_interfaces/srv/ListParameters",
+    "rcl_interfaces/srv/SetParameters",
+    "rcl_interfaces/srv/SetParametersAtomically",
+    "type_description_interfaces/srv/GetTypeDescription",
 )
-
-
 MAX_REASON = 300  # [bytes] of why a host could not begin
 
 
@@ -84,7 +83,7 @@ def serve(
     advice: str,
     libraries: Sequence[str],
 ) -> None:
-    """Fork hosts until the judge closes `control`; import `libraries` before.
+    """Fork hosts until the judge closes `control`; import `libraries` before: modules, types.
 
     `layers` are the layers of isolation that the judge wants, if the machine has them, and
     `landlock` is the newest version of Landlock that is to be used; `advice` names an `Advice`.
@@ -317,13 +316,9 @@ def _steer_init() -> None:
 
 
 def _warm_up(*, virtual: bool = True) -> None:
-    from rclpy.type_support import check_for_type_support  # noqa: PLC0415
-
     stand_ins.offer()
-    for package, names in TYPE_SUPPORT:
-        module = importlib.import_module(package)
-        for name in names:
-            check_for_type_support(getattr(module, name))
+    for name in TYPES:
+        _load_type(name)
     _import(("numpy.random", "rclpy.node", "rclpy.executors", "rclpy.action"))
     from .interfaces import native  # noqa: F401, PLC0415  (no host may read rclpy_portable)
 
@@ -344,4 +339,12 @@ def _import(libraries: Sequence[str]) -> None:
     """Import what takes long; what is not installed is missed by whoever needs it."""
     for name in libraries:
         with contextlib.suppress(ImportError):
-            importlib.import_module(name)
+            (_load_type if "/" in name else importlib.import_module)(name)
+
+
+def _load_type(name: str) -> None:
+    """Load a message type, "sensor_msgs/msg/LaserScan", with its C library."""
+    from rclpy.type_support import check_for_type_support  # noqa: PLC0415
+
+    module, _, type_ = name.replace("/", ".").rpartition(".")
+    check_for_type_support(getattr(importlib.import_module(module), type_))

@@ -76,7 +76,8 @@ class ForkServer:
     epoch
         ROS time of a scenario's start [ns].
     libraries
-        Modules that are imported before hosts are forked, because they take long.
+        What is loaded before hosts are forked, because it takes long: modules, and types of
+        messages, "sensor_msgs/msg/LaserScan".
     kind
         What its hosts run: nodes in virtual time, scripts that return, nodes in real time, or tests
         in virtual time.

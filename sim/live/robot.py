@@ -9,7 +9,8 @@ from sim.live.health import HealthMeter
 from sim.live.timeline import Timeline
 from sim.live.topics import patience, sent_topics
 from sim.messages import Message, with_epoch
-from sim.scenario import LidarSpec, OdometrySpec, Scenario
+from sim.scenario import Scenario
+from sim.sensors import SENSORS
 from sim.simulation import Simulation
 
 IDLE_TICK_NS = 100_000_000  # between two steps at most [ns], also when no message is due
@@ -119,8 +120,11 @@ def rehearse(scenario: Scenario) -> None:
     InputError
         The robot's start is not free, or the clutter does not fit.
     """
-    lidar = msgspec.structs.replace(scenario.lidar, phase=LidarSpec().phase)
-    odometry = msgspec.structs.replace(scenario.odometry, phase=OdometrySpec().phase)
-    short = msgspec.structs.replace(scenario, lidar=lidar, odometry=odometry, duration=0.1)
+    tables = {sensor.table: getattr(scenario, sensor.table) for sensor in SENSORS}
+    soon = {
+        name: msgspec.structs.replace(table, phase=type(table)().phase)
+        for name, table in tables.items()
+    }
+    short = msgspec.structs.replace(scenario, duration=0.1, **soon)
     for message in Simulation(short).advance(short.duration_ns):
         with_epoch(message, 0)

@@ -14,7 +14,8 @@ from sim.live.diagnostics import diagnostics
 from sim.live.extras import Extras
 from sim.live.health import Health
 from sim.live.robot import LiveRobot
-from sim.messages import LATCHED, OFFERED, SENSORS, TF_MESSAGE, Message
+from sim.messages import LATCHED, TF_MESSAGE, Message
+from sim.sensors import OFFERED, SENSOR_TOPICS
 
 DEPTH = 10
 STATIC = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -52,7 +53,8 @@ class Sender:
     @property
     def awaited(self) -> list[str]:
         """The topics for whose first subscriber a robot can wait: its sensors', or else all."""
-        return [topic for topic in self._publishers if topic in SENSORS] or list(self._publishers)
+        sensors = [topic for topic in self._publishers if topic in SENSOR_TOPICS]
+        return sensors or list(self._publishers)
 
     def is_heard(self) -> bool:
         """Say whether anybody subscribes to an awaited topic."""
@@ -98,7 +100,7 @@ class Sender:
         package, _, name = OFFERED[topic].partition("/msg/")
         kind = getattr(importlib.import_module(f"{package}.msg"), name)
         sensors = self._robot.simulation.scenario.qos.sensors
-        lossy = topic in SENSORS and sensors == "sensor_data"
+        lossy = topic in SENSOR_TOPICS and sensors == "sensor_data"
         reliability = ReliabilityPolicy.BEST_EFFORT if lossy else ReliabilityPolicy.RELIABLE
         qos = STATIC if topic in LATCHED else QoSProfile(depth=DEPTH, reliability=reliability)
         is_global = OFFERED[topic] == TF_MESSAGE  # the frames of all robots are one tree

@@ -5,12 +5,11 @@ from sim.messages import (
     E_STOP_TOPIC,
     GOAL_TOPIC,
     ODOM_TOPIC,
-    SCAN_TOPIC,
     TF_STATIC_TOPIC,
     TF_TOPIC,
 )
 from sim.scenario import Scenario
-from sim.schedule import scan_rate
+from sim.sensors import enabled_sensors
 
 NOW_AND_THEN = 0.0  # the nominal rate of what comes with another message or by the script [Hz]
 
@@ -20,13 +19,10 @@ def sent_topics(scenario: Scenario) -> dict[str, float]:
 
     A topic that it never sends does not exist, as on a robot that lacks the sensor.
     """
-    rates: dict[str, float] = {}
-    if scenario.lidar.enabled:
-        rates[SCAN_TOPIC] = scan_rate(scenario)
-    if scenario.odometry.enabled:
-        rates[ODOM_TOPIC] = scenario.odometry.rate
-    elif any(event.odom is not None for event in scenario.script):
-        rates[ODOM_TOPIC] = NOW_AND_THEN
+    sensors = enabled_sensors(scenario).values()
+    rates = {sensor.topic: sensor.rate(scenario) for sensor in sensors}
+    if any(event.odom is not None for event in scenario.script):
+        rates.setdefault(ODOM_TOPIC, NOW_AND_THEN)
     if any(event.goal is not None for event in scenario.script):
         rates[GOAL_TOPIC] = NOW_AND_THEN
     if any(event.e_stop is not None for event in scenario.script):

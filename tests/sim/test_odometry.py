@@ -6,10 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sim.events import Event
 from sim.messages import ODOMETRY, decode
 from sim.odometry import Odometry
-from sim.scenario import OdometrySpec
-from sim.schedule import Event, Kind
+from sim.placement import build_layout
+from sim.scenario import OdometrySpec, Scenario
+from sim.schedule import ODOM
+from sim.world import World
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
 poses = st.tuples(st.floats(-9, 9), st.floats(-9, 9), st.floats(-9, 9))
@@ -17,7 +20,8 @@ START = (1.0, 2.0, 0.5)
 
 
 def odometry(start=START, **spec):
-    return Odometry(OdometrySpec(**spec), start)
+    scenario = Scenario("x", World(), odometry=OdometrySpec(**spec))
+    return Odometry(scenario, build_layout(World(), start=start), 1)
 
 
 @SETTINGS
@@ -37,7 +41,7 @@ def test_the_scales_are_drift():
     assert sensor.measure((1.0, 0.0, 1.0)) == pytest.approx((1.1, 0.0, 0.5))
     x, y, yaw = sensor.measure((1.0 + math.cos(1.0), math.sin(1.0), 1.0))
     assert (x, y, yaw) == pytest.approx((1.1 + 1.1 * math.cos(0.5), 1.1 * math.sin(0.5), 0.5))
-    event = Event(time=1, kind=Kind.ODOM, index=0, delivery=2)
+    event = Event(time=1, kind=ODOM, index=0, delivery=2)
     twist = decode(sensor.message(event, (1.0, 0.0, 1.0), (1.0, 1.0)).data, ODOMETRY).twist.twist
     assert (twist.linear.x, twist.angular.z) == (1.1, 0.5)
 

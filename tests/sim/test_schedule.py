@@ -3,24 +3,27 @@
 import pytest
 from simulated import SECOND, simulate
 
+from sim.events import Kind
 from sim.scenario_files import scenario_from_toml
-from sim.schedule import Kind, schedule
+from sim.schedule import ODOM, schedule
+
+SCAN = Kind.SENSOR
 
 
 def events(text, kind, seed=1):
     scenario = scenario_from_toml('title = "x"\nworld = "open"\n' + text, "x")
-    return [event for event in schedule(scenario, seed) if event.kind is kind]
+    return [event for event in schedule(scenario, seed) if event.kind == kind]
 
 
 def test_periodic_messages_do_not_drift():
-    found = events("duration = 1000\n[odometry]\nrate = 30\nphase = 0.5", Kind.ODOM)
+    found = events("duration = 1000\n[odometry]\nrate = 30\nphase = 0.5", ODOM)
     assert len(found) == 30 * 999 + 15 + 1
     assert found[-1].time == 1000 * 10**9
     assert all(e.time == round((0.5 + e.index / 30) * 1e9) for e in found)
 
 
 def test_latency_keeps_the_stamp_and_late_messages_miss_the_end():
-    found = events("duration = 2\n[faults]\nscan_latency = 0.3", Kind.SCAN)
+    found = events("duration = 2\n[faults]\nscan_latency = 0.3", SCAN)
     assert {e.delivery - e.time for e in found} == {300_000_000}
     assert max(e.delivery for e in found) <= 2 * 10**9
     assert len(found) == 17
@@ -28,15 +31,15 @@ def test_latency_keeps_the_stamp_and_late_messages_miss_the_end():
 
 def test_lost_scans_are_lost_by_the_seed():
     text = "duration = 100\n[faults]\nscan_loss = 0.2"
-    assert len(events(text, Kind.SCAN)) == pytest.approx(800, abs=40)
-    assert events(text, Kind.SCAN) == events(text, Kind.SCAN)
-    assert events(text, Kind.SCAN) != events(text, Kind.SCAN, seed=2)
-    assert events(text, Kind.ODOM) == events("duration = 100", Kind.ODOM)
+    assert len(events(text, SCAN)) == pytest.approx(800, abs=40)
+    assert events(text, SCAN) == events(text, SCAN)
+    assert events(text, SCAN) != events(text, SCAN, seed=2)
+    assert events(text, ODOM) == events("duration = 100", ODOM)
 
 
 def test_lost_scans_use_up_no_bench_entry():
     text = 'duration = 9\n[faults]\nscan_loss = 0.5\n[[bench]]\nlabel = "a"\nrepeat = 7'
-    assert [e.index for e in events(text, Kind.SCAN)] == list(range(7))
+    assert [e.index for e in events(text, SCAN)] == list(range(7))
 
 
 def test_messages_come_in_order_with_odometry_before_the_scan():
