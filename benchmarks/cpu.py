@@ -13,7 +13,7 @@ import statistics
 import subprocess
 import sys
 
-from grader.authoring.claims import claims, grade_claim
+from grader.claims.claims import claims, grade_claim
 from grader.course.exercises import all_exercises, find_exercise
 from grader.launchers import fork_server
 

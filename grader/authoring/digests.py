@@ -20,7 +20,7 @@ import msgspec
 import numpy as np
 from msgspec import structs
 
-from grader.authoring.claims import Claim, claims, grade_claim
+from grader.claims.claims import Claim, claims, grade_claim
 from grader.course.exercises import all_exercises, find_exercise
 from grader.errors import GraderError
 from grader.launchers import fork_server

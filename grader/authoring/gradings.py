@@ -9,7 +9,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import cache, partial
 
-from grader.authoring.claims import Claim, grade_claim
+from grader.claims.claims import Claim, grade_claim
 from grader.grading.grading import Grading
 from grader.launchers import launcher_pool
 from grader.trial.kept import KeptRecordings

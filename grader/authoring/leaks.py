@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from grader.authoring.mutants import CATALOGUE, mutants
+from grader.claims.mutants import CATALOGUE, mutants
 from grader.course.exercises import ROOT, SOLUTIONS, all_exercises
 from grader.nbgrader.cells import definition
 

@@ -24,7 +24,7 @@ from pathlib import Path
 
 from grader.authoring import moments
 from grader.authoring.moments import Moments
-from grader.authoring.mutants import find_mutant
+from grader.claims.mutants import find_mutant
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.generated import CHECK, write_or_check
 from grader.course.submission import find_submission

@@ -1,7 +1,7 @@
 """Prove the graders: right solutions get full marks, wrong ones fail the checks that they name.
 
 The wrong ones, *mutants*, are edits of right ones, listed in `mutants.toml` with at least one check
-that has to catch each (see `grader.authoring.mutants`). Other checks may fail with it. Field checks
+that has to catch each (see `grader.claims.mutants`). Other checks may fail with it. Field checks
 are only judged when all of the core passed, so a mutant names either kind.
 
 `python -m grader.authoring.proof [EXERCISE …]` prints which mutant is killed by which check;
@@ -20,8 +20,8 @@ from pathlib import Path
 
 import msgspec
 
-from grader.authoring.claims import Claim, claims, grade_claim
 from grader.authoring.gradings import gradings
+from grader.claims.claims import Claim, claims, grade_claim
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.errors import GraderError, InputError
 from grader.grading.grading import Grading

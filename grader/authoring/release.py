@@ -20,7 +20,7 @@ from grader.errors import GraderError, InputError
 
 # Folders and files for instructors and contributors; not in the students' copy.
 INSTRUCTORS = (
-    "grader/authoring", "grader/classroom", "grader/course/generated.py",
+    "grader/authoring", "grader/claims", "grader/classroom", "grader/course/generated.py",
     "grader/course/skeletons.py", "grader/models/expert.py", "grader/notebook/build.py",
     "rclpy_virtual_time/conform", "rclpy_virtual_time/tests", "rclpy_virtual_time/setup.py",
 )  # fmt: skip

@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 
-from grader.authoring.mutants import find_mutant
+from grader.claims.mutants import find_mutant
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission

@@ -29,7 +29,7 @@ from nbgrader_kit import (
     total,
 )
 
-from grader.authoring.mutants import find_mutant
+from grader.claims.mutants import find_mutant
 from grader.course.exercises import find_exercise
 
 LACKS = [name for name in ("jupyterlab", "nbgrader") if find_spec(name) is None]

@@ -20,7 +20,7 @@ from frames import pixels, value, wait_until
 from lab_server import Server, Tab, picture, serving, tab
 from nbgrader_kit import FULL, cell_named, fill, make_course, released, solution, source_of
 
-from grader.authoring.mutants import find_mutant
+from grader.claims.mutants import find_mutant
 from grader.course.exercises import find_exercise
 
 NEEDED = ("jupyterlab", "ipykernel", "nbgrader", "matplotlib")

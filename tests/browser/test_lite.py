@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from served_site import SLOW
 
-from grader.authoring.mutants import find_mutant
+from grader.claims.mutants import find_mutant
 from grader.course.exercises import ROOT, all_exercises, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission

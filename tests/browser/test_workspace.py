@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from served_site import SLOW, served, settle, type_in, typed
 
-from grader.authoring.mutants import find_mutant, mutants, submission_of
+from grader.claims.mutants import find_mutant, mutants, submission_of
 from grader.course.exercises import ROOT, all_exercises, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission

@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 import click
 from documents import ROOT, Document, documents, tracked
 
-from grader.authoring.mutants import mutants
+from grader.claims.mutants import mutants
 from grader.cli import cli
 from grader.cli.gone import what_replaces
 from grader.course.exercises import all_exercises

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from grader.authoring.claims import Claim, grade_claim
+from grader.claims.claims import Claim, grade_claim
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.skeletons import strip_solution
 from grader.grading.grading import Grading, grade

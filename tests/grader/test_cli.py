@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from command_line import ROOT, SHORT, Done, course, course_alone
 
-from grader.authoring.mutants import find_mutant
+from grader.claims.mutants import find_mutant
 from grader.course.exercises import SOLUTIONS, find_exercise
 from grader.trial.seeds import trial_seed
 from sim.scenario_files import load_scenario, scenario_names

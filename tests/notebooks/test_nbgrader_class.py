@@ -33,8 +33,8 @@ from nbgrader_kit import (
     total,
 )
 
-from grader.authoring.claims import claims
-from grader.authoring.mutants import FIELD
+from grader.claims.claims import claims
+from grader.claims.mutants import FIELD
 from grader.course.exercises import Exercise, all_exercises
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission

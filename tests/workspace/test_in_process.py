@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from grader.authoring.claims import claims, complete
 from grader.authoring.digests import UNSETTLED, comparable
+from grader.claims.claims import claims, complete
 from grader.course.exercises import all_exercises, find_exercise
 from grader.grading.grading import grade_submission
 from grader.recording import Recording

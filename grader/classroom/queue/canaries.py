@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from grader.authoring.claims import claims
+from grader.claims.claims import claims
 from grader.classroom.options import Options
 from grader.classroom.queue.store import Key, Store
 from grader.classroom.queue.work import Unit, UnitResult, stalled

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 
 import pytest
 
-from grader.authoring.claims import Claim, claims, complete
 from grader.authoring.proof import objections
+from grader.claims.claims import Claim, claims, complete
 from grader.course.exercises import all_exercises
 from grader.course.students import student_key
 from grader.grading.grading import grade_submission

@@ -3,7 +3,7 @@
 import pytest
 
 from grader.authoring import gradings
-from grader.authoring.claims import claims
+from grader.claims.claims import claims
 from grader.course.exercises import find_exercise
 
 

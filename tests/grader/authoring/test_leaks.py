@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from grader.authoring.leaks import leaks
-from grader.authoring.mutants import find_mutant
+from grader.claims.mutants import find_mutant
 from grader.course.exercises import ROOT, find_exercise
 from grader.course.skeletons import strip_solution
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.authoring.mutants import FIELD, check_names
+from grader.claims.mutants import FIELD, check_names
 from grader.course.exercises import Exercise, all_exercises
 from grader.course.promises import promised, without_promises
 from grader.errors import InputError

@@ -18,10 +18,10 @@ import msgspec
 import pytest
 
 from grader.authoring import proof
-from grader.authoring.claims import Claim, claim_of, claims, complete, cover, grade_claim
 from grader.authoring.proof import Row, keep, main, objections, unproven
 from grader.checks.case import Runs
 from grader.checks.verdict import CheckFailed, Inconclusive
+from grader.claims.claims import Claim, claim_of, claims, complete, cover, grade_claim
 from grader.course.exercises import Exercise, all_exercises
 from grader.errors import GraderError
 from grader.exercises import oracle_of

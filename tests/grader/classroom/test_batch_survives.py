@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.authoring.mutants import find_mutant
+from grader.claims.mutants import find_mutant
 from grader.classroom.queue.store import Store
 from grader.classroom.row import StoredResult
 from grader.course.exercises import find_exercise

@@ -10,7 +10,7 @@ import pytest
 from made_results import OBSTACLES, classes
 from marked_class import payload
 
-from grader.authoring.mutants import find_mutant
+from grader.claims.mutants import find_mutant
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.write import write_results
 from grader.classroom.row import StoredResult

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 from driven import careful, drive_by, reckless
 
-from grader.authoring.mutants import find_mutant
+from grader.claims.mutants import find_mutant
 from grader.cli import cli
 from grader.course.exercises import all_exercises, exercise_for, find_exercise
 from grader.drive import node

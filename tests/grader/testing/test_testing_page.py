@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.authoring.mutants import find_mutant
+from grader.claims.mutants import find_mutant
 from grader.course.exercises import ROOT, SOLUTIONS, find_exercise
 from rclpy_virtual_time.tests.testing.outside import pytest_in
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.authoring.mutants import find_mutant
+from grader.claims.mutants import find_mutant
 from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission

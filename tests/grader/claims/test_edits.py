@@ -2,7 +2,7 @@
 
 import pytest
 
-from grader.authoring.edits import EditError, edited
+from grader.claims.edits import EditError, edited
 
 LINES = ["def f(x):", "    if x:", "        return 1", "", "    return 0", "    return 0"]
 

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from grader.authoring.mutants import check_names, find_mutant, main, mutants, submission_of
+from grader.authoring.mutants import main
+from grader.claims.mutants import check_names, find_mutant, mutants, submission_of
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.errors import InputError
 

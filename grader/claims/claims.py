@@ -3,7 +3,7 @@
 A reference and a variant are right; a variant that claims the badge says so in its docstring:
 `field: all`. Of an exercise with several files, a variant is a folder with some of them, or one
 file that says which it stands for (`file: detection_client.py`; the first by default). Those that
-it lacks are the reference's. The wrong ones, mutants, are edits (see `grader.authoring.mutants`).
+it lacks are the reference's. The wrong ones, mutants, are edits (see `grader.claims.mutants`).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.authoring.mutants import FIELD, mutants, stands_for, submission_of
+from grader.claims.mutants import FIELD, mutants, stands_for, submission_of
 from grader.course.exercises import Exercise
 from grader.course.installed import why_not
 from grader.course.submission import Submission, find_submission
