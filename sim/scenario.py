@@ -55,6 +55,19 @@ class RobotSpec(_Table, frozen=True):
     command_timeout: Annotated[float, Meta(gt=0, le=3600)] = 0.5  # [s]; then it comes to a stop
 
 
+ROBOTS: dict[str, dict[str, float]] = {  # by `[robot] name`: where they differ from `RobotSpec`
+    "turtlebot4": {},
+    # Speeds: ROBOTIS' e-manual; the rest: its turtlebot3_navigation2/param/burger.yaml
+    "turtlebot3_burger": {
+        "radius": 0.105,
+        "max_linear": 0.22,
+        "max_angular": 2.84,
+        "max_acceleration": 2.5,
+        "max_angular_acceleration": 3.2,
+    },
+}
+
+
 class LidarSpec(_Table, frozen=True):
     """[lidar] The sensor behind /scan."""
 

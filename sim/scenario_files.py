@@ -8,6 +8,9 @@ description are not inherited.
 A scenario with a `bench` has an empty world and no odometry where it says nothing of them. An entry
 of its bench or script may stand for several; see `sim.scenario_lists`.
 
+`[robot] name = "turtlebot3_burger"` has the limits that `sim.scenario.ROBOTS` has of that
+name; other keys of the table override them.
+
 A table `[matrix]` makes several scenarios of one file: `[matrix.onnx]` in `format_raises.toml` is
 `format_raises_onnx`, with these keys over the file's own. The file itself is none then.
 """
@@ -20,7 +23,7 @@ from typing import Any
 import msgspec
 
 from sim.errors import InputError
-from sim.scenario import Scenario
+from sim.scenario import ROBOTS, Scenario
 from sim.scenario_lists import events_of, scans_of
 from sim.toml_input import convert, merged, nearest, parse_toml, read_toml, shown, unknown_name
 from sim.world import World, load_world, world_from_doc, world_names
@@ -213,9 +216,21 @@ def _scenario(doc: dict[str, Any], where: str) -> Scenario:
             f"{where}: missing key 'world' (a world's name, or a table; `extends` inherits one)"
         )
     world = _world(doc["world"], where)
-    empty = {**doc, "world": {}}
+    robot = _robot(doc.get("robot", {}), where)
+    empty = {**doc, "robot": robot, "world": {}}
     scenario = convert(empty, Scenario, where, may_be_infinite=_MAY_BE_INFINITE)
     return msgspec.structs.replace(scenario, world=world)
+
+
+def _robot(value: Any, where: str) -> Any:
+    """Return a robot's table with the limits of the robot that it names, if any."""
+    if not isinstance(value, dict) or "name" not in value:
+        return value
+    name = value["name"]
+    if not isinstance(name, str) or name not in ROBOTS:
+        hint = nearest(str(name), ROBOTS)
+        raise InputError(f"{where}: robot.name = {shown(name)}: no robot is called that{hint}")
+    return {**ROBOTS[name], **{key: each for key, each in value.items() if key != "name"}}
 
 
 def _world(value: Any, where: str) -> World:

@@ -2,12 +2,14 @@
 
 import math
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.robot import COLLISION_SLOP
+from sim.scenario import ROBOTS, RobotSpec
 from sim.scenario_files import scenario_from_toml
 from sim.simulation import Simulation
 
@@ -40,6 +42,22 @@ def test_the_robot_obeys_its_limits(spec, linear, angular):
     assert truth.w.min() == pytest.approx(angular)
     assert np.abs(np.diff(truth.v)).max() <= 0.9 * 0.02 + 1e-9
     assert np.abs(np.diff(truth.w)).max() <= 7.0 * 0.02 + 1e-9
+
+
+def test_a_scenario_names_its_robot():
+    text = '[robot]\nname = "turtlebot3_burger"'
+    truth = drive(text, held(0, 5, 9.0, -9.0), 5, 'world = "open"')
+    assert truth.v.max() == pytest.approx(0.22)
+    assert truth.w.min() == pytest.approx(-2.84)
+    assert np.diff(truth.v).max() == pytest.approx(2.5 * 0.02)
+    assert np.diff(truth.w).min() == pytest.approx(-3.2 * 0.02)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_robot_is_one_and_may_be_changed(name):
+    text = f'title = "x"\nworld = "open"\n[robot]\nname = "{name}"\nmax_linear = 0.1'
+    robot = scenario_from_toml(text, "x").robot
+    assert robot == msgspec.structs.replace(RobotSpec(**ROBOTS[name]), max_linear=0.1)
 
 
 def test_it_drives_a_circle_of_radius_v_over_w():

@@ -47,6 +47,10 @@ MISTAKES = {
         'title = "x"\nworld = 3',
         "world = 3: expected a world's name or a table",
     ),
+    "misspelt robot": (
+        HEAD + 'robot.name = "turtlebot3"',
+        "robot.name = \"turtlebot3\": no robot is called that; did you mean 'turtlebot4'?",
+    ),
     "limits in the wrong order": (
         HEAD + "[lidar]\nlimits = [5.0, 0.3]",
         "lidar.limits = [5.0, 0.3]: expected range_min below range_max",
