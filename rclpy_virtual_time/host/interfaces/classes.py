@@ -61,7 +61,7 @@ def _class(package: str, name: str, text: str) -> type:
     def import_type_support(metaclass: Any) -> None:
         from . import native  # noqa: PLC0415  (it needs ROS's libraries)
 
-        for each, capsule in native.capsules(f"{package}/msg/{name}", cls).items():
+        for each, capsule in native.capsules(f"{package}/msg/{name}", cls, SUPPORT).items():
             setattr(metaclass, each, capsule)
 
     support = dict.fromkeys(SUPPORT) | {"__import_type_support__": classmethod(import_type_support)}

@@ -19,7 +19,6 @@ from rosidl_parser import definition as idl
 from rclpy_portable import cdr
 
 from . import definitions
-from .classes import SUPPORT
 from .layouts import (
     About,
     Callbacks,
@@ -58,7 +57,7 @@ _alive: dict[int, list[Any]] = {}  # messages that rclpy holds, by their address
 
 
 @functools.cache
-def capsules(name: str, cls: Any) -> dict[str, Any]:
+def capsules(name: str, cls: Any, wanted: tuple[str, ...]) -> dict[str, Any]:
     """Return the five capsules that rclpy asks a message's class for, by their names.
 
     Parameters
@@ -67,9 +66,11 @@ def capsules(name: str, cls: Any) -> dict[str, Any]:
         The type: "tf2_msgs/msg/TFMessage".
     cls
         Its class.
+    wanted
+        The names.
     """
     if _is_portable():  # it reads classes, not capsules
-        return {each: each for each in SUPPORT}
+        return {each: each for each in wanted}
 
     def create() -> int:
         place = PLACE()
