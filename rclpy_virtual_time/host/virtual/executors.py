@@ -44,6 +44,8 @@ from .clock import real_time_ns
 from .kernel import Kernel, Waiters
 
 SENT_TO = (Subscription, Client, Service)
+EXECUTOR: Any = rclpy.executors.Executor
+wait_in_rcl, can_execute = EXECUTOR.wait_for_ready_callbacks, EXECUTOR.can_execute  # rclpy's own
 ONLY_CHANGES = rclpy.clock.JumpThreshold(min_forward=None, min_backward=None)
 
 
@@ -139,50 +141,6 @@ def refuse_real_time(leave: Callable[[str], None]) -> None:
 
 def _install_wait(kernel: Kernel, bridge: Graph) -> None:
     """Let executors wait in the kernel. They look with a timeout of zero, as often as needed."""
-    cls: Any = rclpy.executors.Executor
-    wait, can_execute = cls.wait_for_ready_callbacks, cls.can_execute
-
-    def may_execute(self: Any, entity: Any) -> bool:
-        """Leave out of the wait set what can't be ready."""
-        if isinstance(entity, Timer):
-            return _is_due(entity) and bool(can_execute(self, entity))
-        if not isinstance(entity, SENT_TO):
-            return bool(can_execute(self, entity))
-        if not (discovery.may_have_work(entity) and can_execute(self, entity)):
-            return False
-        self.__dict__.setdefault("_course_asked", []).append(entity)
-        return True
-
-    def look(self: Any, nodes: Any, condition: Any) -> Any:
-        while True:
-            if not self.context.ok() and not self._is_shutdown:
-                raise ExternalShutdownException  # a wait set can't be made any more
-            if discovery.arrivals and (found := _arrived(self, nodes or self.get_nodes())):
-                return found
-            asked: list[Any] = []
-            self._course_asked = asked
-            if not condition() and _is_free(self):
-                ends = _may_be_ready(self, nodes or self.get_nodes())
-                if not ends:
-                    return None
-                if len(ends) == 1 and (found := _alone(self, *ends[0])):
-                    tasks.is_new(kernel, found[0])
-                    return found
-            try:
-                found = wait(self, 0, nodes, condition)
-            except TimeoutException:
-                # With a timeout of 0 rclpy says "timeout" also at the end of a look that gave
-                # work: only a fresh look that gives nothing means there is nothing.
-                if not self.__dict__.pop("_course_gave_work", False):
-                    for end in asked:
-                        discovery.has_no_work(end)
-                    for node in nodes or self.get_nodes():
-                        node._course_changes = bridge.changes  # their events have been seen
-                    return None
-                continue
-            if tasks.is_new(kernel, found[0]):
-                self._course_gave_work = True
-                return found
 
     def virtual_wait(
         self: Any, timeout_sec: Any = None, nodes: Any = None, condition: Any = lambda: False
@@ -197,7 +155,7 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
         try:
             found = kernel.poll(
                 self,
-                lambda: look(self, nodes, condition),
+                lambda: _look(kernel, bridge, self, nodes, condition),
                 deadline,
                 lambda: _next_timer(kernel, nodes or self.get_nodes()),
             )
@@ -208,12 +166,62 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
         found[0]._course_entity = found[1]
         return found
 
-    def nodes_in_order(self: Any) -> list[Any]:
-        """The executor keeps a set, whose order changes from run to run."""
-        return sorted(self._nodes, key=_name_of)
+    EXECUTOR.wait_for_ready_callbacks, EXECUTOR.can_execute = virtual_wait, _may_execute
+    EXECUTOR.get_nodes = _nodes_in_order
 
-    cls.wait_for_ready_callbacks, cls.can_execute = virtual_wait, may_execute
-    cls.get_nodes = nodes_in_order
+
+def _look(kernel: Kernel, bridge: Graph, executor: Any, nodes: Any, condition: Any) -> Any:
+    """Return the next work of an executor, with its entity and node; None if there is none now."""
+    while True:
+        if not executor.context.ok() and not executor._is_shutdown:
+            raise ExternalShutdownException  # a wait set can't be made any more
+        if discovery.arrivals and (found := _arrived(executor, nodes or executor.get_nodes())):
+            return found
+        asked = executor._course_asked = []
+        if not condition() and _is_free(executor):
+            ends = _may_be_ready(executor, nodes or executor.get_nodes())
+            if not ends:
+                return None
+            if len(ends) == 1 and (found := _alone(executor, *ends[0])):
+                tasks.is_new(kernel, found[0])
+                return found
+        try:
+            found = wait_in_rcl(executor, 0, nodes, condition)
+        except TimeoutException:
+            # With a timeout of 0 rclpy says "timeout" also at the end of a look that gave
+            # work: only a fresh look that gives nothing means there is nothing.
+            if executor.__dict__.pop("_course_gave_work", False):
+                continue
+            _note_no_work(bridge, asked, nodes or executor.get_nodes())
+            return None
+        if tasks.is_new(kernel, found[0]):
+            executor._course_gave_work = True
+            return found
+
+
+def _note_no_work(bridge: Graph, asked: list[Any], nodes: Any) -> None:
+    """Note that a look at the entities that it asked gave nothing."""
+    for entity in asked:
+        discovery.has_no_work(entity)
+    for node in nodes:
+        node._course_changes = bridge.changes  # their events have been seen
+
+
+def _may_execute(self: Any, entity: Any) -> bool:
+    """Leave out of the wait set what can't be ready."""
+    if isinstance(entity, Timer):
+        return _is_due(entity) and bool(can_execute(self, entity))
+    if not isinstance(entity, SENT_TO):
+        return bool(can_execute(self, entity))
+    if not (discovery.may_have_work(entity) and can_execute(self, entity)):
+        return False
+    self.__dict__.setdefault("_course_asked", []).append(entity)
+    return True
+
+
+def _nodes_in_order(self: Any) -> list[Any]:
+    """Return the executor's nodes; it keeps a set, whose order changes from run to run."""
+    return sorted(self._nodes, key=_name_of)
 
 
 def _is_due(timer: Any) -> bool:
@@ -231,7 +239,7 @@ def _is_free(executor: Any) -> bool:
 
 
 def _may_be_ready(executor: Any, nodes: Any) -> list[tuple[Any, Any]]:
-    """Return the ends that may have work, each with its node."""
+    """Return the entities that may have work, each with its node."""
     return [
         (entity, node)
         for node in nodes
@@ -303,8 +311,7 @@ def _install_wait_for_message(kernel: Kernel, bridge: Graph) -> None:
 
 def _install_takes(kernel: Kernel, clocks: RosClocks) -> None:
     """Executors take what has reached a subscription, with virtual times in its MessageInfo."""
-    cls: Any = rclpy.executors.Executor
-    take = cls._take_subscription
+    take = EXECUTOR._take_subscription
 
     def virtual_take(self: Any, subscription: Any) -> Any:
         alone = subscription._callback_type is subscription.CallbackType.MessageOnly
@@ -331,7 +338,7 @@ def _install_takes(kernel: Kernel, clocks: RosClocks) -> None:
 
         return execute
 
-    cls._take_subscription = virtual_take
+    EXECUTOR._take_subscription = virtual_take
 
 
 def _next_timer(kernel: Kernel, nodes: Any) -> int | None:
