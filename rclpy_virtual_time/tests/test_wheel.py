@@ -71,12 +71,12 @@ def test_it_holds_the_engine_and_the_portable_runtime(engine: Path) -> None:
 
 @pytest.mark.parametrize("options", [(), ("--virtual-time-portable",)], ids=["real", "portable"])
 def test_alone(engine: Path, options: tuple[str, ...], tmp_path: Path) -> None:
-    assert "1 passed" in said_with([engine], tmp_path, *options)
+    assert "5 passed" in said_with([engine], tmp_path, *options)
 
 
 def test_beside_the_course(engine: Path, course: Path, tmp_path: Path) -> None:
     said = said_with([engine, course], tmp_path)
-    assert "1 passed" in said
+    assert "5 passed" in said
     registered = [line for line in said.splitlines() if "registered: <module" in line]
     assert sum("testing.plugin" in line or "engine_plugin" in line for line in registered) == 1
     assert sum("rclpy_agents_course.pytest_plugin" in line for line in registered) == 1

@@ -23,6 +23,86 @@ TALKER = """
             self.publisher = self.create_publisher(String, "/chatter", 10)
             self.create_timer(0.5, lambda: self.publisher.publish(String(data="hello")))
     """
+# of each kind of node one
+KINDS = """
+    import threading
+    import time
+
+    import rclpy
+    from rclpy.callback_groups import ReentrantCallbackGroup
+    from rclpy.executors import MultiThreadedExecutor
+    from std_msgs.msg import String
+    from std_srvs.srv import Trigger
+
+
+    def test_publisher_and_subscriber(virtual_time):
+        with virtual_time() as world:
+            talker, listener = rclpy.create_node("talker"), rclpy.create_node("listener")
+            publisher, heard = talker.create_publisher(String, "topic", 10), []
+            talker.create_timer(0.5, lambda: publisher.publish(String(data="Hello World")))
+            listener.create_subscription(String, "topic", lambda m: heard.append(m.data), 10)
+            world.run(talker, listener, until=10.0)
+        assert heard == ["Hello World"] * 20
+
+
+    def test_several_threads(virtual_time):
+        with virtual_time() as world:
+            node, ended = rclpy.create_node("slow"), []
+            group = ReentrantCallbackGroup()
+
+            def work():
+                time.sleep(2.5)
+                ended.append((round(world.now, 3), threading.current_thread().name))
+
+            node.create_timer(1.0, work, callback_group=group)
+            world.run(node, until=6.0, executor=MultiThreadedExecutor(num_threads=4))
+        assert [at for at, _ in ended][:3] == [3.5, 4.5, 5.5]
+        assert len({name for _, name in ended}) > 1
+
+
+    def test_service(virtual_time):
+        with virtual_time():
+            server, client_node = rclpy.create_node("server"), rclpy.create_node("client")
+
+            def answer(request, response):
+                time.sleep(20.0)
+                response.message = "done"
+                return response
+
+            server.create_service(Trigger, "work", answer)
+            threading.Thread(target=rclpy.spin, args=(server,), daemon=True).start()
+            client = client_node.create_client(Trigger, "work")
+            assert client.wait_for_service(timeout_sec=1.0)
+            future, began = client.call_async(Trigger.Request()), time.monotonic()
+            rclpy.spin_until_future_complete(client_node, future)
+            assert future.result().message == "done"
+            assert 20.0 <= time.monotonic() - began < 20.1
+
+
+    def test_action(virtual_time):
+        from rclpy.action import ActionClient, ActionServer
+        from tf2_msgs.action import LookupTransform
+
+        with virtual_time():
+            server_node, node = rclpy.create_node("server"), rclpy.create_node("client")
+
+            def execute(goal):
+                time.sleep(30.0)
+                goal.succeed()
+                result = LookupTransform.Result()
+                result.transform.child_frame_id = goal.request.source_frame
+                return result
+
+            server = ActionServer(server_node, LookupTransform, "look", execute)
+            threading.Thread(target=rclpy.spin, args=(server_node,), daemon=True).start()
+            client = ActionClient(node, LookupTransform, "look")
+            assert client.wait_for_server(timeout_sec=1.0)
+            sent = client.send_goal_async(LookupTransform.Goal(source_frame="base"))
+            rclpy.spin_until_future_complete(node, sent)
+            future = sent.result().get_result_async()
+            rclpy.spin_until_future_complete(node, future)
+            assert future.result().result.transform.child_frame_id == "base"
+    """
 # nobody wrote these for virtual time; an hour of it takes no hour
 OTHERS = """
     import threading
@@ -73,6 +153,7 @@ OTHERS = """
 
 def package_in(folder: Path) -> None:
     write(folder / "my_package", __init__="", talker=TALKER)
+    write(folder, test_kinds=KINDS)
     (folder / "test_talker.py").write_text(EXAMPLE, "utf-8")
 
 
@@ -81,7 +162,7 @@ def test_the_first_screen(options: tuple[str, ...], tmp_path: Path) -> None:
     package_in(tmp_path / "run")
     session = pytest_in(tmp_path / "run", *options)
     assert session.code == 0, session.output
-    assert list(session.tests) == ["test_talker.test_it_says_hello_twice_a_second"]
+    assert set(session.outcomes().values()) == {"passed"} and len(session.tests) == 5
 
 
 def test_a_slower_talker_fails_it(tmp_path: Path) -> None:
