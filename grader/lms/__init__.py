@@ -16,4 +16,12 @@ PLATFORMS: tuple[Platform, ...] = (
     folders.PLATFORM,
 )  # fmt: skip
 
-__all__ = ["PLATFORMS", "Platform"]
+_BY_WORD = {platform.word: platform for platform in PLATFORMS}
+
+
+def platform_of(word: str) -> Platform:
+    """Return the platform that the store calls so; plain folders for a word of no platform."""
+    return _BY_WORD.get(word, folders.PLATFORM)
+
+
+__all__ = ["PLATFORMS", "Platform", "platform_of"]

@@ -25,8 +25,19 @@ from pathlib import Path
 from typing import BinaryIO
 
 from grader.lms.book import Book, Mark, Task, scaled
-from grader.lms.people import Sheet, squeezed, unquoted
-from grader.lms.platform import Entry, Files, Platform, Read, Who
+from grader.lms.people import (
+    CANVAS,
+    LOGIN,
+    SIS,
+    Match,
+    Roster,
+    Sheet,
+    folded,
+    only,
+    squeezed,
+    unquoted,
+)
+from grader.lms.platform import Entry, Files, Platform, Read, Who, by_key
 from grader.lms.tables import Cell, Verbatim, csv_text, number, pack
 
 # From the left: what the student called the file can't reach the ids in front of it. But a name may
@@ -38,6 +49,9 @@ UNCLEAR = re.compile(r"(?:LATE_)?\d{3,}_.+", re.DOTALL)  # what seems to be the 
 TYPED = re.compile(rf"{_WHO}_(?P<kind>text|link)\.html")
 TYPED_IN = {"text": "text typed into Canvas.html", "link": "web address.html"}
 
+# the kinds of ids in a gradebook's export, and in the roster that comes with groups
+IDS = {"id": CANVAS, "sis user id": SIS, "sis login id": LOGIN}
+GROUP_IDS = {"canvas_user_id": CANVAS, "user_id": SIS, "login_id": LOGIN}
 PLAIN = ("Student", "ID", "SIS Login ID", "Section")
 UNTOUCHED = {"ex": "is excused in Canvas", "n/a": "is not assigned to them in Canvas"}
 READ_ONLY = "read only"
@@ -56,7 +70,9 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
             found.unclear.append(list(_readings(path)))
         elif upload is not None:
             version, late = int(upload["attachment"][:18]), upload["late"] is not None
-            found.entries.append(Entry(path, _who(upload), upload["file"], version, late=late))
+            found.entries.append(
+                Entry(path, _who(upload), upload["file"], version, late, upload=version)
+            )
         elif typed is not None:  # shows what is there if there is no file
             late = typed["late"] is not None
             found.entries.append(Entry(path, _who(typed), TYPED_IN[typed["kind"]], late=late))
@@ -70,14 +86,27 @@ def _readings(path: Path) -> Iterator[Entry]:
     for place in re.finditer(r"(?:^|_)(?=(?:LATE_)?\d+_\d+_.)", path.name):
         rest = re.compile(r"(LATE_)?(\d+)_(\d+)_(.+)", re.DOTALL).match(path.name, place.end())
         if rest is not None and not path.name[: place.start()].endswith("_LATE"):
-            who = Who(path.name[: place.start()] or rest[2], "canvas", rest[2])
-            yield Entry(path, who, rest[4], int(rest[3][:18]), late=rest[1] is not None)
+            who = Who(path.name[: place.start()] or rest[2], PLATFORM, rest[2])
+            version = int(rest[3][:18])
+            yield Entry(path, who, rest[4], version, rest[1] is not None, upload=version)
 
 
 def _who(match: re.Match[str]) -> Who:
-    name = match["name"] or ""
-    anonymous = match["id"].startswith("anon_")
-    return Who(name or match["id"], "canvas", match["id"] if not anonymous else "")
+    anonymous, name = match["id"].startswith("anon_"), match["name"] or match["id"]
+    return Who(name, PLATFORM, "" if anonymous else match["id"], anonymous=anonymous)
+
+
+def match(roster: Roster, who: Who, place: str) -> Match:
+    """Return whom a name and an id mean; of a group the download has one member's id."""
+    if not who.id or CANVAS not in roster.kinds:
+        if team := roster.team(who.name, folded):
+            return Match(team, sure=True)
+        return only(roster.every("squeezed", squeezed(who.name)))
+    found, team = roster.one(CANVAS, who.id), roster.team(who.name, squeezed)
+    if found is None or found not in team:
+        return by_key(roster, who, found, team)
+    is_own = squeezed(found.name) == squeezed(who.name)
+    return Match((), team) if is_own else Match(team, sure=True)
 
 
 def sheet(header: Sequence[str]) -> str:
@@ -167,4 +196,7 @@ def feedback(target: BinaryIO, marks: Sequence[Mark], task: Task, pages: Path) -
                   for upload, mark in sorted(once.items())))  # fmt: skip
 
 
-PLATFORM = Platform("Canvas", read, sheet, gradebook, feedback, folder="canvas")
+PLATFORM = Platform(
+    "Canvas", "canvas", read, sheet, gradebook, feedback, folder="canvas", id_kind=CANVAS,
+    squeezes=True, match=match, columns={"canvas": IDS, "groups": GROUP_IDS}, marks_late=True,
+)  # fmt: skip

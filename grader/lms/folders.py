@@ -30,10 +30,10 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
             found.set_aside.append(SetAside(name, RESULTS))
         elif path.is_dir() or is_archive(name) or is_unread_archive(name) or path.is_symlink():
             stem = name if path.is_dir() else archive_stem(name)
-            found.entries.append(Entry(path, Who(stem, "folder")))
+            found.entries.append(Entry(path, Who(stem, PLATFORM)))
         else:
             found.set_aside.append(SetAside(name, FILE))
     return found
 
 
-PLATFORM = Platform("", read)
+PLATFORM = Platform("", "folder", read, key_of=lambda entry: entry.path.name)

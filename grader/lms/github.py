@@ -13,7 +13,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from grader.lms.names import numbered
-from grader.lms.platform import Entry, Platform, Read, Who
+from grader.lms.people import GITHUB, PARTICIPANT, Match, Person, Roster, squeezed
+from grader.lms.platform import Entry, Platform, Read, Who, by_key, by_words
 
 ENDING = "-submissions"
 
@@ -44,7 +45,29 @@ def _prefix(folder: Path, names: Sequence[str]) -> str:
 
 
 def _entry(path: Path, user: str) -> Entry:
-    return Entry(path, Who(user, "github", user.casefold()), version=numbered(user)[1])
+    return Entry(path, Who(user, PLATFORM, user.casefold()), version=numbered(user)[1])
+
+
+def match(roster: Roster, who: Who, place: str) -> Match:
+    """Return whom a repository or a login means; students choose their logins."""
+    if team := roster.every(PARTICIPANT, place):
+        return Match(team, sure=True)
+    if not who.id or GITHUB not in roster.kinds:
+        return by_words(roster, who, place)
+    found, team = roster.one(GITHUB, who.id), roster.team(who.name, squeezed)
+    if team and found is None:
+        return Match(team, sure=True)
+    return by_key(roster, who, found, team)
+
+
+def times(roster: Roster, person: Person | None, entry: Entry) -> tuple[str, str]:
+    """Return the time of a repository's submission, by GitHub Classroom's grades; no extension."""
+    for sheet in roster.sheets:
+        for row, place in zip(sheet.rows, sheet.people, strict=True):
+            repository = sheet.cell(row, "student_repository_name").casefold()
+            if roster.people[place] == person and repository == entry.path.name.casefold():
+                return sheet.cell(row, "submission_timestamp"), ""
+    return "", ""
 
 
 def is_clone(path: Path) -> bool:
@@ -61,4 +84,6 @@ def sheet(header: Sequence[str]) -> str:
     return "github" if of_one or {"github_username", "identifier"} <= set(header) else ""
 
 
-PLATFORM = Platform("GitHub Classroom", read, sheet)
+PLATFORM = Platform(
+    "GitHub Classroom", "github", read, sheet, id_kind=GITHUB, folds=True, match=match, times=times
+)

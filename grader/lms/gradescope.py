@@ -20,7 +20,8 @@ import yaml
 from grader.errors import InputError
 from grader.lms.book import Mark, Task
 from grader.lms.clean import one_line, visible
-from grader.lms.platform import Entry, Platform, Read, SetAside, Who
+from grader.lms.people import EMAIL, Match, Roster, each_once, folded
+from grader.lms.platform import Entry, Platform, Read, SetAside, Who, by_key, by_name
 from grader.lms.told import LONGEST, microseconds
 from grader.report.facts import UNJUDGED
 from rclpy_virtual_time.link.cell import CLASS, Refused, read_in_cell
@@ -58,7 +59,7 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
             found.set_aside.append(SetAside(path.name, reason))
             continue
         version = microseconds(about.time)
-        people = (Who(name or email or sid, "gradescope", sid, email)
+        people = (Who(name or email or sid, PLATFORM, sid, email)
                   for name, sid, email in about.people)  # fmt: skip
         found.entries.extend(Entry(path, who, version=version, time=about.time) for who in people)
     for name in sorted(set(known) - {path.name for path in paths}):
@@ -113,6 +114,22 @@ def _submission(about: object) -> _Submission:
 def _text(value: object) -> str:
     """Return what is a text; a list that holds itself many times is none."""
     return value if isinstance(value, str) else ""
+
+
+def match(roster: Roster, who: Who, place: str) -> Match:
+    """Return whom an address means; students type their numbers themselves."""
+    if who.email and EMAIL in roster.kinds:
+        return by_key(roster, who, roster.one(EMAIL, who.email))
+    found, named = roster.by_word(who.id, who.email), roster.every("name", folded(who.name))
+    if found is None:
+        return by_name(roster, who)
+    if named and found not in named:
+        return Match((), each_once((found, *named)))
+    return Match((found,), sure=True)
+
+
+def key_of(entry: Entry) -> str:
+    return entry.who.email or entry.who.id or entry.who.name
 
 
 def sheet(header: Sequence[str]) -> str:
@@ -174,4 +191,7 @@ def _output(check: Mapping[str, Any]) -> str:
     return text if len(text) <= MAX_OUTPUT else text[: MAX_OUTPUT - 1] + "…"
 
 
-PLATFORM = Platform("Gradescope", read, sheet)
+PLATFORM = Platform(
+    "Gradescope", "gradescope", read, sheet, id_kind=EMAIL, folds=True, key_of=key_of, match=match,
+    metadata=METADATA,
+)  # fmt: skip

@@ -25,7 +25,18 @@ from typing import BinaryIO
 from grader.lms.book import Book, Mark, Task, number_in, scaled
 from grader.lms.clean import one_line
 from grader.lms.names import student_id
-from grader.lms.people import Person, Roster, Sheet, trailing
+from grader.lms.people import (
+    PARTICIPANT,
+    Match,
+    Person,
+    Roster,
+    Sheet,
+    each_once,
+    folded,
+    only,
+    squeezed,
+    trailing,
+)
 from grader.lms.platform import Entry, Files, Platform, Read, Who
 from grader.lms.tables import Cell, Verbatim, csv_text, pack
 from grader.lms.told import IN_WORDS
@@ -54,6 +65,10 @@ SUBMITTED = "last modified (submission)"
 WORKSHEET = ("Identifier", "Full name", "Grade", "Maximum grade", "Last modified (grade)")
 LOCKED = "has a grade that can't be changed"
 KIND = "worksheet"  # of a roster's sheet
+# "Participant", `participant` in the language packs of mod_assign
+BLIND = {
+    "participant", "teilnehmer/in", "teilnehmer in", "teilnehmerin", "participante", "partecipante",
+}  # fmt: skip
 
 
 def read(folder: Path, paths: Sequence[Path]) -> Read:
@@ -65,9 +80,49 @@ def read(folder: Path, paths: Sequence[Path]) -> Read:
             found.left.append(path)
         else:
             called = "" if path.is_dir() else match["file"]
-            who = Who(match["name"], "moodle", match["id"] or "")
+            name = match["name"]
+            who = Who(name, PLATFORM, match["id"] or "", anonymous=_is_blind(name))
             found.entries.append(Entry(path, who, called))
     return found
+
+
+def match(roster: Roster, who: Who, place: str) -> Match:
+    """Return whom Moodle's prefix means: a participant, or a group whose number is its own."""
+    name = who.name
+    holder = roster.one(PARTICIPANT, who.id) if who.id else None
+    named, team = roster.every("name", folded(name)), roster.team(name, folded)
+    forms = map(squeezed, (holder.name, holder.label)) if holder else ()
+    in_group = _in_group(roster, name)
+    if holder and (_is_blind(name) or squeezed(name) in forms or in_group == holder):
+        return Match((holder,), sure=True)
+    if team:
+        return Match((), (*named, *team)) if named else Match(team, sure=True)
+    if holder:  # renamed, or a group's number: who is it?
+        return Match((), each_once((holder, *named)))
+    return Match((in_group,)) if in_group and not named else only(named)
+
+
+def _in_group(roster: Roster, name: str) -> Person | None:
+    """Find a person by `GROUP-NAME`, as Moodle calls those who work in groups."""
+    parts = name.split("-")
+    found = [roster.one("name", folded("-".join(parts[i:]))) for i in range(1, len(parts))]
+    people = each_once(person for person in found if person is not None)
+    return people[0] if len(people) == 1 else None
+
+
+def _is_blind(name: str) -> bool:
+    """Return whether Moodle calls everybody so: its anonymous submissions have only numbers."""
+    return name.strip().casefold() in BLIND
+
+
+def member(roster: Roster, person: Person, group: str) -> str:
+    """Return the number by which Moodle knows a member in a group's assignment."""
+    for sheet in roster.sheets:
+        for row, place in zip(sheet.rows, sheet.people, strict=True):
+            mine = roster.people[place] == person and sheet.kind == KIND
+            if mine and folded(sheet.cell(row, "group")) == folded(group):
+                return trailing(sheet.cell(row, IDENTIFIER))
+    return min(person.participants, default="")
 
 
 def sheet(header: Sequence[str]) -> str:
@@ -142,23 +197,17 @@ def _is_stamped(header: Sequence[str], rows: Sequence[Sequence[str]]) -> bool:
     return len(ends) == 1 and ends.pop().isdecimal() and "email address" in header
 
 
-def times(roster: Roster, person: Person | None, own: str) -> tuple[str, str]:
-    """Return the time of a person's submission and the end of an extension, "" if none is told.
-
-    They are in Moodle's worksheet and in GitHub Classroom's grades. The assignment calls the
-    submission by its `own` id: the participant's number, or the repository.
-    """
+def times(roster: Roster, person: Person | None, entry: Entry) -> tuple[str, str]:
+    """Return the time of a person's submission and the end of an extension, by the worksheet."""
     for sheet in roster.sheets:
         for row, place in zip(sheet.rows, sheet.people, strict=True):
             if roster.people[place] != person:
                 continue
-            if sheet.kind == KIND and own == trailing(sheet.cell(row, IDENTIFIER)):
+            if sheet.kind == KIND and entry.who.id == trailing(sheet.cell(row, IDENTIFIER)):
                 told = sheet.cell(row, SUBMITTED)
                 before = " ".join(row[: sheet.small.index(GRADE)])  # its status among them
                 more = IN_WORDS.search(before)
                 return ("" if told == "-" else told), (more[0] if more else "")
-            if own.casefold() == sheet.cell(row, "student_repository_name").casefold() != "":
-                return sheet.cell(row, "submission_timestamp"), ""
     return "", ""
 
 
@@ -249,4 +298,7 @@ def _folder(mark: Mark) -> str:
     return f"{name}_{mark.handed.id}_assignfeedback_file"
 
 
-PLATFORM = Platform("Moodle", read, sheet, gradebook, feedback, folder="moodle")
+PLATFORM = Platform(
+    "Moodle", "moodle", read, sheet, gradebook, feedback, folder="moodle", per_assignment=True,
+    match=match, member=member, times=times, local_times=True,
+)  # fmt: skip

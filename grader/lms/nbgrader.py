@@ -19,6 +19,7 @@ from pathlib import Path
 from grader.course.submission import read_regular_file
 from grader.lms.folders import LITTER
 from grader.lms.names import may_enter
+from grader.lms.people import LOGIN
 from grader.lms.platform import Entry, Platform, Read, SetAside, Who
 from grader.lms.told import LONGEST, microseconds
 
@@ -84,7 +85,7 @@ def _attempt(path: Path, found: Read) -> None:
     if owner := _stranger(path, match["user"]):
         found.set_aside.append(SetAside(path.name, STRANGER.format(owner, match["user"])))
         return
-    who, time = Who(match["user"], "nbgrader", match["user"]), match["time"]
+    who, time = Who(match["user"], PLATFORM, match["user"]), match["time"]
     found.entries.append(Entry(path, who, version=_microseconds(time), time=time))
 
 
@@ -107,7 +108,7 @@ def _stranger(path: Path, user: str) -> str:
 
 
 def _collected(student: Path) -> Iterator[Entry]:
-    who = Who(student.name, "nbgrader", student.name)
+    who = Who(student.name, PLATFORM, student.name)
     try:
         inside = sorted(student.iterdir())
     except OSError:
@@ -149,4 +150,4 @@ def _latest(found: Read) -> Read:
     return found
 
 
-PLATFORM = Platform("nbgrader", read)
+PLATFORM = Platform("nbgrader", "nbgrader", read, id_kind=LOGIN)

@@ -22,17 +22,16 @@ from grader.errors import InputError
 from grader.lms import PLATFORMS
 from grader.lms.moodle import columns
 from grader.lms.people import (
-    CANVAS,
     EMAIL,
     GITHUB,
     LOGIN,
     NUMBER,
     OWN,
     SIS,
-    STRONG,
     Person,
     Roster,
     Sheet,
+    in_order,
     trailing,
     unquoted,
 )
@@ -50,9 +49,7 @@ IDS = {
     "github_username": GITHUB, "github": GITHUB, "identifier": OWN, "id": OWN,
     "roster_identifier": OWN,
 }  # fmt: skip
-GROUP_IDS = {"canvas_user_id": CANVAS, "user_id": SIS, "login_id": LOGIN}  # with Canvas's groups
 GROUP = ("group", "group name", "group_name", "team")
-CANVAS_IDS = {"id": CANVAS, "sis user id": SIS, "sis login id": LOGIN}
 NAMES = ("student", "name", "full name", "student name")
 FIRST = ("first name", "firstname", "first_name")
 LAST = ("last name", "surname", "lastname", "last_name")
@@ -138,14 +135,14 @@ def _refuse_contrary(file: Path, old: Person, person: Person) -> None:
 
 def _known(known: Roster, person: Person) -> int | None:
     """Return the place of a person of another file: by an id, else by a name that only one has."""
-    for kind in STRONG:
+    for kind in in_order(person.ids):
         for place, other in enumerate(known.people):
             mine, theirs = person.ids.get(kind, ""), other.ids.get(kind, "")
             if mine and mine.casefold() == theirs.casefold():
                 return place
     same = [i for i, other in enumerate(known.people) if other.names & person.names]
     contrary = same and any(
-        person.ids.get(kind) and known.people[same[0]].ids.get(kind) for kind in STRONG
+        person.ids.get(kind) and known.people[same[0]].ids.get(kind) for kind in person.ids
     )
     return same[0] if len(same) == 1 and not contrary else None
 
@@ -236,7 +233,8 @@ def _person(kind: str, header: Sequence[str], row: Sequence[str]) -> Person:
     participants: frozenset[str] = frozenset()
     identifier = ""
     ids: dict[str, str] = {}
-    for heading, id_kind in {"canvas": CANVAS_IDS, "groups": GROUP_IDS}.get(kind, IDS).items():
+    columns = next((each.columns[kind] for each in PLATFORMS if kind in each.columns), IDS)
+    for heading, id_kind in columns.items():
         if cells.get(heading):
             ids.setdefault(id_kind, cells[heading])
     if kind in ("canvas", "groups") and "@" in ids.get(LOGIN, ""):

@@ -17,6 +17,7 @@ from zoneinfo import ZoneInfo
 from grader.classroom.amendments.change import Late
 from grader.classroom.amendments.people import find_student
 from grader.errors import InputError
+from grader.lms import platform_of
 from grader.lms.book import Handed, StudentRow
 from grader.lms.clean import one_line
 from grader.lms.sheets import read_roster
@@ -38,8 +39,9 @@ def lateness(rule: Late, student: str, handed: Handed | None) -> tuple[int, str]
     """
     told, zone = rule.times.get(student, ""), zone_of(rule.zone) if rule.deadline else UTC
     came = moment(told, zone)
+    platform = platform_of(handed.system if handed else "")
     if came is None and handed is not None:
-        came = moment(handed.time, zone if handed.system == "moodle" else UTC)
+        came = moment(handed.time, zone if platform.local_times else UTC)
     deadline = moment(rule.deadline)
     if rule.deadline and deadline is None:  # of an older version, which took any
         return 0, f"the deadline {rule.deadline} is no time to count from; nobody is late by it"
@@ -52,7 +54,7 @@ def lateness(rule: Late, student: str, handed: Handed | None) -> tuple[int, str]
     if handed is not None and handed.late:
         why = "the platform says only that it is late; counted as one day (--times knows more)"
         return 1, why
-    if handed is None or not rule.deadline or handed.system == "canvas":  # it marks what is late
+    if handed is None or not rule.deadline or platform.marks_late:
         return 0, ""
     return 0, "no time is known of when it was handed in; not counted as late"
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from grader.classroom.account import Account, Fate, Line
 from grader.classroom.intake.exercise_files import WORK, Found, find_files, find_sole, left_over
-from grader.classroom.intake.handed_in import Student
+from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.classroom.intake.skeletons import is_handed_out
 from grader.classroom.intake.students import Intake, take_in
 from grader.classroom.intake.whose import NOTHING_KNOWN, Known
@@ -22,7 +22,6 @@ from grader.course.students import student_key
 from grader.errors import InputError
 from grader.lms.book import Handed, StudentRow
 from grader.lms.clean import one_line
-from grader.lms.moodle import times
 from grader.lms.people import NO_PERSON
 from grader.lms.platform import Entry
 from grader.lms.told import EXPECTED, moment
@@ -43,7 +42,7 @@ SKELETON = "still as it was handed out, so it was not handed in"
 ACCEPTED = "accepted by a person"
 NO_TIME = "{!r}, when it was handed in, is no time, and counts as none; {}"
 ANOTHER = (
-    "Moodle's number is {}, and that of the earlier work is {}: a second student of this name? If "
+    "{}'s number is {}, and that of the earlier work is {}: a second student of this name? If "
     "it is the same one: course marks assign FOLDER {!r} {!r}; if not, give the grading worksheet "
     "as --roster"
 )
@@ -133,15 +132,17 @@ def _leaders(found: Mapping[str, Mapping[str, Found]]) -> dict[Key, str]:
 
 
 def _another(student: Student, slug: str, found: Found, known: Known) -> str:
-    """Say why work may be a namesake's: Moodle has another number for it, in the same exercise."""
+    """Say why work may be a namesake's: the platform has another number for it here."""
     row, entry = known.rows.get(student.id), found.entry
     if student.person is not None or row is None or entry is None or slug not in row.handed:
         return ""
     before = row.handed[slug]
-    if {before.system, entry.who.system} != {"moodle"} or entry.word in row.seen:
+    platform = entry.who.platform
+    if not platform.per_assignment or before.system != platform.word or entry.word in row.seen:
         return ""
     said = known.assigned.get(entry.word) or known.assigned.get(entry.path.name)
-    return "" if said or not before.id else ANOTHER.format(entry.who.id, before.id, entry.path.name,
+    ids = entry.who.id, before.id
+    return "" if said or not before.id else ANOTHER.format(platform.name, *ids, entry.path.name,
                                                            student.id)  # fmt: skip
 
 
@@ -194,7 +195,7 @@ def _account(
     unknown = options.roster.people and not any(s.person and s.who for s in intake.students)
     if unknown:
         sheets = ", ".join(str(sheet.file) for sheet in options.roster.sheets)
-        anonymous = all(who.system == "canvas" and not who.id
+        anonymous = all(who.anonymous and not who.id
                         for student in intake.students for who in student.who)  # fmt: skip
         reason = ANONYMOUS if anonymous else OTHER_CLASS
         lines.append(Line(Fate.UNKNOWN, entry=sheets, reason=reason, fault=True))
@@ -210,11 +211,11 @@ def _account(
     return Account(tuple(lines))
 
 
-def _student_lines(student: Student, fates: Mapping[int, Line]) -> list[Line]:
-    """Return a line for each of a student's files; what became of some is given by `id(file)`."""
+def _student_lines(student: Student, fates: Mapping[HandedIn, Line]) -> list[Line]:
+    """Return a line for each of a student's files; `fates` says what became of some."""
     lines = [
         replace(
-            fates.get(id(file), Line(Fate.EXTRA)),
+            fates.get(file, Line(Fate.EXTRA)),
             entry=file.entry.path.name, file=file.name, student=student.id,
         )
         for file in student.files
@@ -233,31 +234,29 @@ def _student_lines(student: Student, fates: Mapping[int, Line]) -> list[Line]:
 
 def _fates(
     student: Student, found: Mapping[str, Found], wanted: Collection[str]
-) -> dict[int, Line]:
-    fates: dict[int, Line] = {}
-    contrary = {id(file) for each in found.values() for file in each.contrary}
+) -> dict[HandedIn, Line]:
+    fates: dict[HandedIn, Line] = {}
+    contrary = {file for each in found.values() for file in each.contrary}
     for slug, each in found.items():
         for file in each.older:
-            is_other = id(file) in contrary
+            is_other = file in contrary
             reason = CONTRARY if is_other else "a newer one counts"
-            fates[id(file)] = Line(Fate.OLDER, exercise=slug, reason=reason, fault=is_other)
+            fates[file] = Line(Fate.OLDER, exercise=slug, reason=reason, fault=is_other)
     for slug, each in sorted(found.items(), key=lambda pair: pair[0] in wanted):
         state = Fate.GRADED if slug in wanted else Fate.OTHER
-        fates |= {id(file): Line(state, exercise=slug, reason=each.why) for file in each.used}
+        fates |= {file: Line(state, exercise=slug, reason=each.why) for file in each.used}
         for file in each.untouched:
-            fates.setdefault(id(file), Line(Fate.LEFT_OUT, exercise=slug, reason=SKELETON))
+            fates.setdefault(file, Line(Fate.LEFT_OUT, exercise=slug, reason=SKELETON))
         for file in each.beside.values():
             fates.setdefault(
-                id(file), Line(Fate.EXTRA, exercise=slug, reason=f"comes along with {slug}")
+                file, Line(Fate.EXTRA, exercise=slug, reason=f"comes along with {slug}")
             )
     held = not student.problem and not any(each.used for each in found.values())
     if not held and any(not found[slug].files for slug in wanted):  # else the unit itself says it
-        known = [f for f in student.files if id(f) in fates and fates[id(f)].state != Fate.EXTRA]
+        known = [f for f in student.files if f in fates and fates[f].state != Fate.EXTRA]
         known += [file for each in found.values() for file in each.needed]
         line = Line(Fate.UNKNOWN, reason=SUSPECT, fault=True)
-        fates |= {
-            id(file): line for file in left_over(student, known) if not is_handed_out(file.path)
-        }
+        fates |= {file: line for file in left_over(student, known) if not is_handed_out(file.path)}
     return fates
 
 
@@ -268,12 +267,11 @@ def _row(
     handed = {}
     for slug, entry in entries:
         if entry is not None:
-            who, own = entry.who, entry.path.name if entry.who.system == "github" else ""
-            told, more = times(options.roster, student.person, own or who.id)
+            who = entry.who
+            told, more = who.platform.times(options.roster, student.person, entry)
             time, more = (_time(each, student, slug, odd) for each in (entry.time or told, more))
-            upload = entry.version if who.system == "canvas" else 0
             handed[slug] = Handed(
-                who.system, who.name, who.id, who.email, entry.late, time, more, upload
+                who.platform.word, who.name, who.id, who.email, entry.late, time, more, entry.upload
             )
     seen = {
         each.word

@@ -16,7 +16,7 @@ from grader.course.beside import MADE
 from grader.errors import InputError, is_disk_full
 from grader.lms import PLATFORMS
 from grader.lms.folders import LITTER
-from grader.lms.gradescope import METADATA
+from grader.lms.folders import PLATFORM as FOLDERS
 from grader.lms.names import may_enter
 from grader.lms.people import NOBODY, Roster
 from grader.lms.platform import Entry, Read, SetAside, Who
@@ -79,7 +79,7 @@ def take_in(
 
 def take_in_one(folder: Path, scratch: Path) -> Student:
     """Return the student whose work, and nobody else's, lies in a folder."""
-    student = Student("submission", entries=[(0, Entry(folder, Who("submission", "folder")))])
+    student = Student("submission", entries=[(0, Entry(folder, Who("submission", FOLDERS)))])
     _fill(student, scratch, [])
     return student
 
@@ -131,21 +131,22 @@ def _download_in(source: Path) -> Path:
 
 
 def _is_platforms(folder: Path) -> bool:
-    return any(entry.who.system != "folder" for entry in _entries(folder).entries)
+    return any(entry.who.platform is not FOLDERS for entry in _entries(folder).entries)
 
 
 def _is_class(folder: Path) -> bool:
     """Return whether a folder is a download, which people put into another and name that.
 
-    Gradescope's metadata are not read: a class's may take minutes, which a student's file may not.
+    Metadata are not read: a class's may take minutes, which a student's file may not.
     """
+    names = [platform.metadata for platform in PLATFORMS if platform.metadata]
     try:
-        if any((each / METADATA).exists() for each in _wrapped(folder)):
+        if any((each / name).exists() for each in _wrapped(folder) for name in names):
             return True
         people = [entry.who for entry in _entries(_unwrapped(folder)).entries]
     except (InputError, OSError):
         return False
-    return len({who.id or who.name for who in people if who.system != "folder"}) > 1
+    return len({who.id or who.name for who in people if who.platform is not FOLDERS}) > 1
 
 
 def _entries(folder: Path, roster: Roster = NOBODY, scratch: Path | None = None) -> Read:
@@ -195,7 +196,7 @@ def _collect(
         return
     files = [HandedIn(entry.path, called, entry, number)]
     if entry.path.is_dir():
-        if entry.who.system == "folder" and _is_class(entry.path):
+        if entry.who.platform is FOLDERS and _is_class(entry.path):
             student.problems.append(f"{called}: {CLASS}")
             return
         found, links, closed = _files(entry.path)
@@ -246,7 +247,7 @@ def _unpacked(
         SetAside(f"{file.entry.path.name}: {name}", why, fault=False) for name, why in odd
     ]
     student.links |= any(why == NO_LINK for _, why in odd)
-    if file.entry.who.system == "folder" and _is_class(room):
+    if file.entry.who.platform is FOLDERS and _is_class(room):
         student.problems.append(f"{file.name}: {CLASS}")
         return []
     inner, *_ = _files(room)

@@ -9,29 +9,17 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Literal
 
 from grader.classroom.intake.handed_in import Student
+from grader.lms import PLATFORMS, platform_of
 from grader.lms.book import StudentRow
 from grader.lms.names import marked, student_id
-from grader.lms.people import (
-    CANVAS,
-    EMAIL,
-    GITHUB,
-    LOGIN,
-    STRONG,
-    Match,
-    Person,
-    Roster,
-    folded,
-    is_blind,
-    squeezed,
-)
-from grader.lms.platform import Entry, SetAside, Who, word_of
+from grader.lms.people import EMAIL, Match, Person, Roster, folded, in_order, squeezed
+from grader.lms.platform import Entry, SetAside, Who
 
 Read = Sequence[tuple[int, Entry]]  # entries, with the place of their download
 
-WORDS = {"canvas": CANVAS, "github": GITHUB, "gradescope": EMAIL, "nbgrader": LOGIN}
 ASSIGN = "say whose it is: course marks assign FOLDER {!r} STUDENT"
 UNCLEAR = (
     "its name begins with a number, or its student's name ends with one: whose it is can't be "
@@ -83,10 +71,20 @@ def _right(
     fits = [
         (number, each)
         for number, each in readings
-        for person in roster.match("canvas", each.who.name, each.who.id).people[:1]
+        for person in each.who.platform.match(roster, each.who, each.path.name).people[:1]
         if squeezed(each.who.name) in (squeezed(person.name), squeezed(person.group))
     ]
     return fits[0] if len(fits) == 1 else None
+
+
+@dataclass(frozen=True)
+class Key:
+    """What tells a student from all others, while a class is taken in."""
+
+    word: str
+    # of a person in the roster or of an entry; a name that one download has once; or the folder
+    # that a person has said
+    kind: Literal["id", "name", "folder"] = "id"
 
 
 class _Class:
@@ -98,22 +96,22 @@ class _Class:
         self._known = known
         self._seen = {word: key for key, row in known.rows.items() for word in row.seen}
         self._found: dict[str, Student] = {}
-        self._new: list[tuple[str, str, Any]] = []  # label, what tells it from others, its key
-        self._folders: dict[Any, str] = {}  # of people by key, of others by their entries' word
+        self._new: list[tuple[str, str, Key]] = []  # label, what tells it from others, its key
+        self._folders: dict[Key, str] = {}
 
     def students(self) -> list[Student]:
         matches = self._matched()
         for person in self._roster.people:
             row = self._row_of(person)
-            self._place(person.key, "" if row in self._folders.values() else row, person.label,
-                        person.key)  # fmt: skip
+            self._place(Key(person.key), "" if row in self._folders.values() else row,
+                        person.label, person.key)  # fmt: skip
         owners = [
             self._owners(number, entry, match)
             for (number, entry), match in zip(self._read, matches, strict=True)
         ]
         self._name_new()
         for person in self._roster.people:
-            folder = self._folders[person.key]
+            folder = self._folders[Key(person.key)]
             self._found[folder] = Student(folder, person)
         for (number, entry), mine in zip(self._read, owners, strict=True):
             for key, who in mine:
@@ -122,7 +120,7 @@ class _Class:
                 student.entries.append((number, replace(entry, who=who)))
         for (number, entry), match, mine in zip(self._read, matches, owners, strict=True):
             student = self._found[self._folders[mine[0][0]]]
-            if student.person is None and mine[0][0][0] != "folder":
+            if student.person is None and mine[0][0].kind != "folder":
                 self._hold(number, entry.who, match, student)
         return list(self._found.values())
 
@@ -134,16 +132,15 @@ class _Class:
         Where a worksheet knows some of a download's participants, it knows them all.
         """
         found = [
-            self._roster.match(each.who.system, each.who.name, each.who.id, each.who.email,
-                               each.path.name)
+            each.who.platform.match(self._roster, each.who, each.path.name)
             for _, each in self._read
-        ]  # fmt: skip
+        ]
         claims: defaultdict[tuple[int, str], set[str]] = defaultdict(set)
         numbered: set[int] = set()
         for (number, entry), match in zip(self._read, found, strict=True):
             for person in match.people:
                 claims[number, person.key].add(entry.word)
-            if match.sure and entry.who.system == "moodle":
+            if match.sure and entry.who.platform.per_assignment:
                 numbered.add(number)
         for i, ((number, _), match) in enumerate(zip(self._read, found, strict=True)):
             if len(match.people) == 1 and not match.sure:
@@ -152,42 +149,40 @@ class _Class:
                     found[i] = Match((), match.people)
         return found
 
-    def _owners(self, number: int, entry: Entry, match: Match) -> list[tuple[Any, Who]]:
+    def _owners(self, number: int, entry: Entry, match: Match) -> list[tuple[Key, Who]]:
         """Return the keys of those whose entry it is, with how the platform calls them."""
         who, said = entry.who, self._known.assigned
         folders = said.get(entry.word) or said.get(entry.path.name) or ()
         for folder in folders:
-            self._folders["folder", folder] = folder
+            self._folders[Key(folder, "folder")] = folder
         if folders:
-            return [(("folder", folder), who) for folder in folders]
+            return [(Key(folder, "folder"), who) for folder in folders]
         if len(match.people) > 1:
-            return [(each.key, self._member(each, who)) for each in match.people]
+            return [(Key(each.key), self._member(each, who)) for each in match.people]
         if match.people and (match.sure or entry.word not in self._seen):
-            return [(match.people[0].key, who)]
+            return [(Key(match.people[0].key), who)]
         row = self._seen.get(entry.word) or ("" if match.may_be else self._same_name(number, entry))
-        key: Any = entry.word
+        key = Key(entry.word)
         if not row and not match.may_be and self._alone(number, entry):
-            key = ("moodle", folded(who.name))  # whose numbers are an assignment's
-        is_folder, id_ = who.system == "folder", who.id or entry.word
-        original = entry.path.name if is_folder else f"{who.name}+{id_}"
+            key = Key(who.platform.word_of(folded(who.name)), "name")
+        own = f"{who.name}+{who.id or entry.word}"
+        original = own if who.platform.name else entry.path.name
         self._place(key, row, _label(who, held=bool(match.may_be)), original)
         return [(key, who)]
 
     def _member(self, person: Person, who: Who) -> Who:
         """Return how the platform knows one of a group."""
-        id_ = person.ids.get(WORDS.get(who.system, ""), "")
-        if who.system == "moodle":
-            id_ = self._roster.participant(person, who.name)
-        return Who(person.label, who.system, id_, person.ids.get(EMAIL, ""))
+        id_ = who.platform.member_id(self._roster, person, who.name)
+        return Who(person.label, who.platform, id_, person.ids.get(EMAIL, ""))
 
     def _alone(self, number: int, entry: Entry) -> bool:
-        """Return whether nobody else in this download of Moodle's is called so."""
+        """Return whether a name tells who it is, where numbers are those of one assignment."""
         who = entry.who
         same = {e.who.id for n, e in self._read if n == number and e.who.name == who.name}
-        return who.system == "moodle" and len(same) == 1 and not is_blind(who.name)
+        return who.platform.per_assignment and len(same) == 1 and not who.anonymous
 
     def _same_name(self, number: int, entry: Entry) -> str:
-        """Return the only one whom Moodle has called so under another number, if it tells."""
+        """Return the only student of that name under another number, if the name tells."""
         if not self._alone(number, entry):
             return ""
         name = folded(entry.who.name)
@@ -200,20 +195,18 @@ class _Class:
 
     def _row_of(self, person: Person) -> str:
         """Return the folder that a person of the roster has in the store; "" if there is none."""
-        words = [word_of(system, person.ids[kind]) for system, kind in WORDS.items()
-                 if person.ids.get(kind)]  # fmt: skip
-        words += [f"moodle:{participant}" for participant in sorted(person.participants)]
-        for kind in STRONG:
-            mine = person.ids.get(kind, "").casefold()
+        for kind in in_order(person.ids):
+            mine = person.ids[kind].casefold()
             for row in self._known.rows.values() if mine else ():
                 if row.person.ids.get(kind, "").casefold() == mine:
                     return row.student
-        for word in words:
+        platforms = sorted(PLATFORMS, key=lambda each: (each.per_assignment, each.word))
+        for word in (word for each in platforms for word in each.words_of(person)):
             row_of = self._seen.get(word, "")
             theirs = self._known.rows[row_of].person.ids if row_of else {}
             contrary = any(person.ids.get(kind) and theirs.get(kind)
                            and person.ids[kind].casefold() != theirs[kind].casefold()
-                           for kind in STRONG)  # fmt: skip
+                           for kind in person.ids)  # fmt: skip
             if row_of and not contrary:
                 return row_of
         return next((row.student for row in self._known.rows.values() if self._fits(person, row)),
@@ -228,11 +221,12 @@ class _Class:
         each = next(iter(row.handed.values()), None)
         if each is None:
             return False
-        found = self._roster.match(each.system, each.name, each.id, each.email)
-        by_name = each.system != "moodle" or not person.participants
+        platform = platform_of(each.system)
+        found = platform.match(self._roster, Who(each.name, platform, each.id, each.email), "")
+        by_name = not platform.per_assignment or not person.participants
         return found.people == (person,) and (found.sure or by_name)
 
-    def _place(self, key: Any, row: str, label: str, original: str) -> None:
+    def _place(self, key: Key, row: str, label: str, original: str) -> None:
         """Give a student the folder that the store knows, or note that there is none yet."""
         if row:
             self._folders[key] = row
@@ -260,11 +254,11 @@ class _Class:
 
     def _named(self, person: Person) -> str:
         ids = [*person.ids.values(), *sorted(person.participants)]
-        return f"{self._folders[person.key]} ({', '.join(ids[:3])})"
+        return f"{self._folders[Key(person.key)]} ({', '.join(ids[:3])})"
 
     def _namesakes(self, number: int, who: Who, student: Student) -> list[str]:
-        """Return whom Moodle has called so in an earlier download, where numbers are others."""
-        if who.system != "moodle" or is_blind(who.name):
+        """Return the students of that name in earlier downloads, where numbers are others."""
+        if not who.platform.per_assignment or who.anonymous:
             return []
         here = {each.id: [(n, e.who.name) for n, e in each.entries] for each in
                 self._found.values()}  # fmt: skip
@@ -281,6 +275,6 @@ class _Class:
 
 
 def _label(who: Who, *, held: bool) -> str:
-    if (who.system == "moodle" and is_blind(who.name)) or (held and who.id not in ("", who.name)):
-        return f"{who.name} {who.id}"
-    return f"{who.name}_{who.id}" if who.system == "canvas" and who.id else who.name
+    if who.anonymous or (held and who.id not in ("", who.name)):
+        return f"{who.name} {who.id}".strip()
+    return f"{who.name}_{who.id}" if who.platform.squeezes and who.id else who.name

@@ -11,6 +11,7 @@ from grader.classroom.amendments import marks
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.row import GRADED, StoredResult, as_graded
 from grader.lms.book import Book, Mark, StudentRow
+from grader.lms.people import LISTED, in_order
 from grader.lms.tables import Cell, Verbatim, csv_text
 
 SCORES = (
@@ -18,8 +19,6 @@ SCORES = (
     "max_score", "before_cap", "field_ready", "passed", "failed", "skipped", "attempts", "wall_s",
     "handed_in", "late", "finished", "problem", "points_as_graded", "changed", "style", "max_style",
 )  # fmt: skip
-# of the ids, the one that the instructor's lists most likely have
-ID_FIRST = ("canvas", "id", "idnumber", "sis", "login", "email", "github")
 
 
 def scores_csv(results: Sequence[StoredResult], students: Mapping[str, StudentRow]) -> str:
@@ -52,7 +51,8 @@ def book_of(results: Sequence[StoredResult], options: ResultOptions) -> Book:
 
 def _row(result: StoredResult, row: StudentRow) -> list[Cell]:
     handed = row.handed.get(result.exercise)
-    id_ = next((row.person.ids[kind] for kind in ID_FIRST if row.person.ids.get(kind)), "")
+    ids = row.person.ids
+    id_ = next((ids[kind] for kind in in_order(ids, LISTED) if ids[kind]), "")
     score, most, raw = marks.raw_points(result) if marks.is_graded(result) else (None, None, None)
     core = [check for check in marks.checks_of(result) if check.get("kind") != "field"]
     counts = [sum(c.get("outcome") == o for c in core) for o in ("pass", "fail", "skip")]

@@ -120,7 +120,7 @@ def _write_feedback_zips(book: Book, tasks: Tasks, options: ResultOptions, done:
         marks = [
             mark
             for mark, _ in book.marks(task)
-            if mark.handed.system == platform.folder
+            if mark.handed.system == platform.word
             and (shown is None or (mark.student, task.slug) in shown)
         ]
         if marks and platform.feedback is not None:

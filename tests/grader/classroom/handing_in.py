@@ -7,6 +7,9 @@ from pathlib import Path
 
 from grader.classroom.intake.exercise_files import find_files
 from grader.classroom.intake.students import Intake, take_in
+from grader.lms import platform_of
+from grader.lms.people import Match, Roster
+from grader.lms.platform import Who
 from grader.lms.sheets import read_roster
 
 AGENT = "obstacle_avoidance_agent.py"
@@ -42,6 +45,12 @@ def tarred(path: Path, *members: tuple[tarfile.TarInfo, bytes]) -> None:
 def taken(*sources: Path, roster: Path | None = None) -> Intake:
     people = read_roster([roster] if roster else [])
     return take_in(list(sources), sources[0].parent / "scratch", people)
+
+
+def matched(roster: Roster, system: str, name: str, id_: str = "", *email: str) -> Match:
+    """Return whom a platform's download means by a name, an id and an address."""
+    platform = platform_of(system)
+    return platform.match(roster, Who(name, platform, id_, *email), "")
 
 
 def graded(intake: Intake) -> dict[str, str]:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from handing_in import AGENT, put, taken
+from handing_in import AGENT, matched, put, taken
 
 from grader.classroom.account import Account, Line
 from grader.classroom.intake.candidates import OTHER_CLASS, Class, find_class
@@ -94,11 +94,11 @@ def test_moodle_leaves_out_apostrophes_and_adds_groups(tmp_path: Path) -> None:
     (tmp_path / "roster.csv").write_text(people, "utf-8")
     roster = read_roster([tmp_path / "roster.csv"])
     names = ("Seán OBrien", "Anne-Marie Ray", "Team-1-Bo Ray", "Team 2-Anne-Marie Ray")
-    found = [roster.match("moodle", name, "99").people for name in names]
+    found = [matched(roster, "moodle", name, "99").people for name in names]
     wanted = ["Seán O'Brien", "Anne-Marie Ray", "Bo Ray", "Anne-Marie Ray"]
     assert [[person.name for person in people] for people in found] == [[name] for name in wanted]
-    assert roster.match("moodle", "Team-Nobody", "99").people == ()
-    assert roster.match("folder", "Team-1-Bo Ray").people == ()
+    assert matched(roster, "moodle", "Team-Nobody", "99").people == ()
+    assert matched(roster, "folder", "Team-1-Bo Ray").people == ()
 
 
 # --- what a person has to look at ----------------------------------------------------------------

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from handing_in import matched
 
 from grader.errors import InputError
 from grader.lms.people import Match, Roster
@@ -36,7 +37,7 @@ def read(tmp_path: Path, *texts: str | bytes) -> Roster:
 
 
 def name_of(roster: Roster, *asked: str) -> str:
-    people = roster.match(*asked).people
+    people = matched(roster, *asked).people
     return people[0].label if len(people) == 1 else ""
 
 
@@ -113,10 +114,10 @@ def test_ids_and_names_that_disagree_are_a_persons_to_decide(tmp_path: Path) -> 
         (groups, ("canvas", "redteam", "3")),  # who handed in for the group is gone
         (groups, ("canvas", "redteam", "3", "")),
     ):
-        match = read(tmp_path, text).match(*asked)
+        match = matched(read(tmp_path, text), *asked)
         assert not match.people
         assert {person.name for person in match.may_be} == {"Ann Lee", "Bo Fox"}
-    again = read(tmp_path, GITHUB).match("github", "Carla-L-1", "carla-l-1")
+    again = matched(read(tmp_path, GITHUB), "github", "Carla-L-1", "carla-l-1")
     assert [person.name for person in again.may_be] == ["Carla Lee"]  # a second repository
 
 
@@ -124,7 +125,7 @@ def test_a_number_typed_like_a_classmates_stops_nobody(tmp_path: Path) -> None:
     names = "Name,SID,Email\nAnn Lee,12,ann@x\nBo Fox,12,bo@x\nCy,13,cy@x\n"
     roster = read(tmp_path, names)
     assert [person.key for person in roster.people] == ["email:ann@x", "email:bo@x", "sis:13"]
-    assert roster.match("gradescope", "Ann Lee", "12", "ann@x").people == roster.people[:1]
+    assert matched(roster, "gradescope", "Ann Lee", "12", "ann@x").people == roster.people[:1]
 
 
 def test_canvas_with_first_and_last_names(tmp_path: Path) -> None:
@@ -135,9 +136,9 @@ def test_canvas_with_first_and_last_names(tmp_path: Path) -> None:
 def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
     roster = read(tmp_path, "id,name\n1,Ann Lee\n2,Ann Lee\n3,Bob\n")
     assert name_of(roster, "moodle", "Ann Lee", "71") == ""
-    may_be = roster.match("moodle", "Ann Lee", "71").may_be
+    may_be = matched(roster, "moodle", "Ann Lee", "71").may_be
     assert [person.ids["id"] for person in may_be] == ["1", "2"]
-    assert roster.match("moodle", "Eve", "71") == Match()
+    assert matched(roster, "moodle", "Eve", "71") == Match()
 
 
 @pytest.mark.parametrize(
