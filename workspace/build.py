@@ -55,7 +55,7 @@ COURSE = re.compile(
     r"|grading/(attempts|best|handed_in|withheld)|cli/(batch|waiting)"
     r")"
     r"|rclpy_virtual_time/(?!testing|conform|tests|setup"
-    r"|link/(doctor|domains|host_process|hosts|locks|pipes|pool|run_queue|shared_memory)\."
+    r"|link/(doctor|domains|host_process|hosts|locks|pipes|run_queue|shared_memory)\."
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
 PAGE_PACKAGES = "workspace/page_packages"  # there, in the page, beside runtime.py

@@ -96,7 +96,7 @@ class Runtime:
         import grader.grading.grading
         import grader.report.page
         import grader.trial.virtual_time  # noqa: F401
-        from grader.launchers import ADVICE
+        from grader.launchers import ADVICE, HOSTED
         from grader.report.terminal import Console
         from rclpy_virtual_time.link.in_process import InProcess
         from sim.messages import EPOCH_NS, typestore
@@ -105,7 +105,7 @@ class Runtime:
         for name in MESSAGES:
             __import__(name)
         typestore()
-        self._launcher = InProcess(EPOCH_NS, self._reached, self._stacks, ADVICE)
+        self._launcher = InProcess(EPOCH_NS, self._reached, self._stacks, ADVICE, HOSTED)
         self._note_lines()
 
     def _note_lines(self) -> None:

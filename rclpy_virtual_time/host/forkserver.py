@@ -120,11 +120,16 @@ def prepared(kind: str, epoch: int, advice: str, libraries: Sequence[str]) -> Bo
     elif kind == LIVE:
         _warm_up(virtual=False)
         body = _run_live
+    settle(advice, libraries)
+    return body
+
+
+def settle(advice: str, libraries: Sequence[str]) -> None:
+    """Import what else hosts need; nothing is imported for them after that."""
     advice_module.use(advice)
     _import(libraries)
     inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
     imports.host.settle()
-    return body
 
 
 def prepare_nodes(epoch: int) -> kernel_module.Kernel:

@@ -12,15 +12,12 @@ that has warmed up, a fork or an image of memory, and all that comes out of it i
 from __future__ import annotations
 
 import contextlib
-import inspect
 import os
-import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Generic, NoReturn, Protocol, cast
 
-from rclpy_virtual_time.host import advice as advice_module
 from rclpy_virtual_time.host import forkserver, imports, practice, scripts
 from rclpy_virtual_time.host.frames import (
     Carried,
@@ -99,15 +96,14 @@ class InProcess:
         reached: Callable[[float], object] = lambda _: None,
         stacks: Stacks | None = None,
         advice: str = "",
+        libraries: Sequence[str] = (),
     ) -> None:
         self.reached = reached
         self.stacks = stacks or _OneStack()
         os.environ.update({**SAME_RUNS, **NO_GPU})  # rclpy reads some of it once
         self._epoch = epoch
         self._kernel = forkserver.prepare_nodes(epoch)
-        advice_module.use(advice)
-        inspect.getmodule(sys._getframe())  # as `forkserver.prepared` does
-        imports.host.settle()
+        forkserver.settle(advice, libraries)
         self._used = False
 
     @property

@@ -72,7 +72,7 @@ DIGESTS = """
 import json, pickle, sys
 sys.path[:0] = sys.argv[1:]
 import msgspec
-msgspec.msgpack.encode = lambda each: repr(each).encode()  # the stand-in has none
+msgspec.msgpack.encode = lambda each: repr(each).encode()  # equal values, equal bytes
 print(*(pickle.loads(bytes(each))[0].digest() for each in json.load(sys.stdin)))
 """
 DRIVE_ON = "import time\n\nwhile True:\n    pass\n"

@@ -1,7 +1,7 @@
 """What the page uses of msgspec, for a Python for which it has no wheel.
 
 Structs are dataclasses. `convert` trusts what it gets: it reads the course's own scenarios and
-worlds, which msgspec itself has checked when the page was built. No frames are coded here.
+worlds, which msgspec itself has checked when the page was built.
 """
 
 from __future__ import annotations

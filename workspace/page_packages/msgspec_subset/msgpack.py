@@ -1,25 +1,27 @@
-"""Frames go through no pipe in the page."""
+"""Bytes that never leave the page's process: pickles."""
 
+import pickle
 from typing import Any
 
 
 class Encoder:
-    """Encodes nothing."""
+    """Encodes anything."""
 
-    def encode(self, value: Any) -> bytes:
-        """Refuse."""
-        raise NotImplementedError("nothing is encoded in the page")
+    encode = staticmethod(pickle.dumps)
 
 
 class Decoder:
-    """Decodes nothing."""
+    """Decodes what was encoded here, whatever its type is."""
+
+    decode = staticmethod(pickle.loads)
 
     def __init__(self, type: Any = Any) -> None:
         pass
 
-    def decode(self, data: bytes) -> Any:
-        """Refuse."""
-        raise NotImplementedError("nothing is decoded in the page")
+
+def decode(data: bytes, type: Any = Any) -> Any:
+    """Return what was encoded."""
+    return pickle.loads(data)
 
 
-encode, decode = Encoder().encode, Decoder().decode
+encode = pickle.dumps
