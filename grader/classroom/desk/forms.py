@@ -23,6 +23,14 @@ OWN = ("token", "revision", "sure")  # fields that are about the form
 
 
 @dataclass(frozen=True)
+class Person:
+    """The sender of forms: an instructor or assistant at the desk, in one browser."""
+
+    name: str
+    token: str  # of this person's forms
+
+
+@dataclass(frozen=True)
 class Form:
     """The fields of a form, as they were sent."""
 

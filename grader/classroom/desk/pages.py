@@ -7,14 +7,14 @@ import functools
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from grader.classroom.amendments.apply import version_of
 from grader.classroom.amendments.change import Comment, Style
 from grader.classroom.amendments.log import Entry, active, described, undone_by
 from grader.classroom.amendments.marks import checks_of, is_held, tasks_of, why_held
 from grader.classroom.desk import asked
-from grader.classroom.desk.forms import AT_ONCE, Form, change_of
+from grader.classroom.desk.forms import AT_ONCE, Form, Person, change_of
 from grader.classroom.desk.marking import Marked, Marking, is_about, marking, reading
 from grader.classroom.results.page import render
 from grader.classroom.row import StoredResult
@@ -22,9 +22,6 @@ from grader.course.exercises import all_exercises
 from grader.errors import InputError
 from grader.lms.book import StudentRow
 from grader.lms.clean import visible
-
-if TYPE_CHECKING:
-    from grader.classroom.desk.server import Person
 
 Html = str
 MOST_LINES = 3000  # of a file

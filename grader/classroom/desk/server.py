@@ -23,7 +23,7 @@ from tornado.netutil import bind_sockets
 from tornado.web import Application, HTTPError, RequestHandler
 
 from grader.classroom.desk import pages
-from grader.classroom.desk.forms import Form
+from grader.classroom.desk.forms import Form, Person
 from grader.errors import GraderError, InputError
 
 ADDRESS = "127.0.0.1"
@@ -45,14 +45,6 @@ HEADERS = {
     "Cache-Control": "no-store",
 }
 NOT_YOURS = "Open the desk with the address that the command has printed for you."
-
-
-@dataclass(frozen=True)
-class Person:
-    """Who works at the desk, in one browser."""
-
-    name: str
-    token: str  # of this person's forms
 
 
 @dataclass
