@@ -81,58 +81,81 @@ def find_files(student: Student, names: Sequence[str], taken: str = "", why: str
     all counts the file `taken` (a `HandedIn.name`), and `why` says so.
     """
     first, *others = names
-    called = _called(first, student.files)
-    untouched = [file for file in called if is_skeleton(file.path, first)]
-    empty = [file for file in called if is_empty(file.path)]
-    candidates = [file for file in called if file not in untouched and file not in empty]
-    wanted = PurePosixPath(taken)
-    if accepted := [  # or a second copy of it
-        file for file in _called(wanted.name, student.files)
-        if taken and PurePosixPath(file.name).parent == wanted.parent
-    ]:  # fmt: skip
-        candidates = accepted
-    elif not candidates:
-        near = _near(first, student.files)
-        candidates = near if len(near) == 1 else []
-        why = NEAR.format(first) if candidates else ""
-    else:
-        why = ""
-    if not candidates and any(
-        not is_skeleton(file.path, other)
-        for other in others
-        for file in _called(other, student.files)
-    ):
-        candidates, untouched = untouched, []
-    if not candidates:
-        problem = student.problem or f"expected a file {first}; {_inventory(student)}"
-        if untouched:
-            problem = student.problem or f"{first} is still the skeleton"
-        elif empty:
-            problem = student.problem or f"{empty[0].name} is empty; another copy is needed"
-        return Found({}, problem, untouched=tuple(untouched))
-    chosen = candidates[0]
-    used = [chosen]
-    found = {first: chosen.path}
-    older = list(candidates[1:])
-    for other in others:
-        same = _called(other, student.files)
-        same.sort(key=lambda file: is_skeleton(file.path, other))
-        beside = [file for file in same if file.path.parent == chosen.path.parent]
-        if same:
-            used.append((beside or same)[0])
-            found[other] = used[-1].path
-            older += [file for file in same if file is not used[-1]]
-    mine = _content(chosen.path)
-    contrary = [
-        file for file in candidates if file.source != chosen.source and _content(file.path) != mine
-    ]
-    along, in_package = _beside(student, chosen, {id(file) for file in (*used, *older)})
+    versions, why = _versions(student, first, taken, why)
+    untouched = [file for file in _called(first, student.files) if is_skeleton(file.path, first)]
+    if not versions and any(_changed(other, student.files) for other in others):
+        versions, untouched = untouched, []
+    if not versions:
+        return Found({}, _missing(student, first, untouched), untouched=tuple(untouched))
+    used, older = _together(student, versions, names)
+    files = {name: file.path for name, file in used.items()}
+    along, in_package = _beside(student, versions[0], {*used.values(), *older})
     if in_package:  # its files lie where it has them
         placed = {file.path: name for name, file in along.items()}
-        found = {placed.get(path, name): path for name, path in found.items()}
+        files = {placed.get(path, name): path for name, path in files.items()}
     return Found(
-        found, "", tuple(older), tuple(used), tuple(contrary), along, tuple(untouched), why
-    )
+        files, "", tuple(older), tuple(used.values()), _contrary(versions), along,
+        tuple(untouched), why,
+    )  # fmt: skip
+
+
+def _versions(
+    student: Student, first: str, taken: str, why: str
+) -> tuple[list[HandedIn], str]:  # fmt: skip
+    """Return the versions of the required file, and why it may have another name.
+
+    They are the file `taken` and its copies, else the work of the right name, else the only file
+    of a near name.
+    """
+    wanted = PurePosixPath(taken)
+    accepted = [
+        file for file in _called(wanted.name, student.files)
+        if taken and PurePosixPath(file.name).parent == wanted.parent
+    ]  # fmt: skip
+    if accepted:
+        return accepted, why
+    if work := [file for file in _changed(first, student.files) if not is_empty(file.path)]:
+        return work, ""
+    near = _near(first, student.files)
+    return (near, NEAR.format(first)) if len(near) == 1 else ([], "")
+
+
+def _changed(name: str, files: Sequence[HandedIn]) -> list[HandedIn]:
+    """Return the files of that name that are not the skeleton."""
+    return [file for file in _called(name, files) if not is_skeleton(file.path, name)]
+
+
+def _missing(student: Student, first: str, untouched: Sequence[HandedIn]) -> str:
+    """Say why there is no version of the required file."""
+    if student.problem:
+        return student.problem
+    if untouched:
+        return f"{first} is still the skeleton"
+    if empty := [file for file in _called(first, student.files) if is_empty(file.path)]:
+        return f"{empty[0].name} is empty; another copy is needed"
+    return f"expected a file {first}; {_inventory(student)}"
+
+
+def _together(
+    student: Student, versions: Sequence[HandedIn], names: Sequence[str]
+) -> tuple[dict[str, HandedIn], list[HandedIn]]:
+    """Return the newest version with the exercise's other files, by name, and what is older."""
+    (first, *others), (chosen, *older) = names, versions
+    used = {first: chosen}
+    for other in others:
+        same = sorted(_called(other, student.files), key=lambda file: is_skeleton(file.path, other))
+        beside = [file for file in same if file.path.parent == chosen.path.parent]
+        if same:
+            used[other] = (beside or same)[0]
+            older += [file for file in same if file is not used[other]]
+    return used, older
+
+
+def _contrary(versions: Sequence[HandedIn]) -> tuple[HandedIn, ...]:
+    """Return the versions that are another work than the newest, from another download."""
+    chosen, mine = versions[0], _content(versions[0].path)
+    others = (file for file in versions if file.source != chosen.source)
+    return tuple(file for file in others if _content(file.path) != mine)
 
 
 def find_sole(student: Student, names: Sequence[str]) -> Found:
@@ -178,7 +201,7 @@ def _letters(name: str) -> str:
 
 
 def _beside(
-    student: Student, node: HandedIn, used: Collection[int]
+    student: Student, node: HandedIn, used: Collection[HandedIn]
 ) -> tuple[dict[str, HandedIn], bool]:
     """Return what comes along with a node, by its place in its folder; and if that is a package's.
 
@@ -195,7 +218,7 @@ def _beside(
     for each in folders:
         for file in sorted(together, key=_age):
             name = PurePosixPath(file.name)
-            if name.is_relative_to(each) and (in_package or id(file) not in used):
+            if name.is_relative_to(each) and (in_package or file not in used):
                 place = name.relative_to(each)
                 if name == each or any(above.suffix == ".ipynb" for above in place.parents):
                     continue  # of a notebook's cells, which are not this node's
@@ -239,10 +262,10 @@ def _size(path: Path) -> int:
 
 def left_over(student: Student, used: Collection[HandedIn]) -> list[HandedIn]:
     """Return the files that may be work under another name: Python, archives."""
-    known = {id(file) for file in used}
+    known = set(used)
     return [
         file for file in student.files
-        if id(file) not in known
+        if file not in known
         and (_is_python(file) or is_archive(file.name) or is_unread_archive(file.name))
     ]  # fmt: skip
 
