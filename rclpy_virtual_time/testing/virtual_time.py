@@ -21,7 +21,7 @@ from rclpy_virtual_time.host.kinds import TESTS
 from rclpy_virtual_time.link import real_clock
 from rclpy_virtual_time.link.errors import EngineError
 from rclpy_virtual_time.link.exchange import HostDied, HostForged, HostHung, decoded, status_text
-from rclpy_virtual_time.link.foreign import readable
+from rclpy_virtual_time.link.foreign import readable, write
 from rclpy_virtual_time.link.host_process import HostProcess
 from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.pipes import Channel
@@ -106,7 +106,7 @@ class _TestLink(Channel):
             problem = f"the test's process said what it can't: {error}"
         said = self.log()
         if self._item.config.getoption("capture", "fd") == "no":
-            sys.stdout.write(readable("".join(f"{line.text}\n" for line in said)))
+            write(readable("".join(f"{line.text}\n" for line in said)))
         if problem or not self._reports:
             text = problem or "the test was not found in its own process"
             self._reports.append(_failure(self._item, text))

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-DOCUMENT = Path(__file__).parents[3] / "docs" / "virtual-time.md"
+DOCUMENT = Path(__file__).parents[2] / "docs" / "virtual-time.md"
 NAME = re.compile(r"`(rclpy(?:\.\w+)+)`")
 LISTING = """
 import sys, types

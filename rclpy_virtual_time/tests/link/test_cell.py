@@ -14,6 +14,7 @@ from typing import Any
 import cell_works
 import pytest
 
+from rclpy_virtual_time.link import cell
 from rclpy_virtual_time.link.cell import MIB, Broken, Limits, Refused, read_in_cell
 from rclpy_virtual_time.tests.ordinary import said_by_ordinary
 
@@ -29,6 +30,12 @@ ENDS: dict[str, tuple[Callable[..., Any], tuple[Any, ...], Any, str]] = {
     "another type": (cell_works.lie, (), dict[str, list[str]], "no valid answer"),
     "no message": (cell_works.forge, (), None, "no valid answer"),
 }
+
+
+@pytest.fixture(autouse=True, scope="module")
+def own_server() -> None:
+    """Have a server that has imported nothing for other tests: its memory counts."""
+    cell._servers.close()
 
 
 @pytest.mark.parametrize("name", ENDS)

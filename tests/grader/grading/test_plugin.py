@@ -161,7 +161,7 @@ def test_a_fault_of_the_trials_is_an_error(run: Run) -> None:
     grading = run(FIVE, FakeTrials(GraderError("no host")))
 
     assert set(outcomes(grading).values()) == {"error", "inconclusive"}
-    assert grading.checks[0].message == "the grader failed here: GraderError: no host"
+    assert grading.checks[0].message == "the grader failed here: EngineError: no host"
     assert (grading.score, grading.max_score) == (0, 0)
 
 
