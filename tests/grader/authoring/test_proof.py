@@ -39,7 +39,6 @@ DEAR = {"heavy_callback", "searches_its_history"}  # ten times the CPU of others
 WRONG = [each for exercise in all_exercises() for each in cover(exercise, without=DEAR)]
 WRONG_IN_THE_FIELD = [each for exercise in all_exercises() for each in cover(exercise, field=True)]
 LONG = pytest.mark.long
-# Half of what all references cost; with the field checks they are in `make test-proof`
 LONG_DRIVES = {"ml_velocity", "goal_seeking", "slow_model", "safety_supervisor", "model_formats"}
 DEAR_TO_JUDGE = {"silent_when_stale", "asks_and_stands"}  # by checks of all those drives
 
@@ -51,7 +50,7 @@ def soon(claim: Claim, checks: frozenset[str]) -> bool:
 
 
 def soon_driven(claim: Claim) -> bool:
-    """Return whether a claim is a reference that costs little."""
+    """Return whether a claim is a reference: not of the five that cost more than half of all."""
     return claim.kind == "reference" and claim.exercise.slug not in LONG_DRIVES
 
 
