@@ -1,9 +1,8 @@
 """Every solution, right or wrong, gets what it says it deserves.
 
-`make prove` takes all solutions. The tests take the references of all exercises, and mutants enough
-for every check to have failed one. `make test` has the core of references that are soon driven, and
-of the mutants those for checks that cap a score; `make test-proof`, which CI runs, too, has the
-rest and the field.
+`make prove` takes all solutions. The tests take all references, and mutants enough for every check
+to have failed one. `make test` has the core of references that are soon driven, and mutants for
+checks that cap a score; `make test-proof`, which CI runs, too, has the rest.
 """
 
 import contextlib
@@ -40,18 +39,18 @@ DEAR = {"heavy_callback", "searches_its_history"}  # ten times the CPU of others
 WRONG = [each for exercise in all_exercises() for each in cover(exercise, without=DEAR)]
 WRONG_IN_THE_FIELD = [each for exercise in all_exercises() for each in cover(exercise, field=True)]
 LONG = pytest.mark.long
-# More than half of what all references cost; with the field checks they are in `make test-proof`
 LONG_DRIVES = {"ml_velocity", "goal_seeking", "slow_model", "safety_supervisor", "model_formats"}
+DEAR_TO_JUDGE = {"silent_when_stale", "asks_and_stands"}  # by checks of all those drives
 
 
-def caps(claim: Claim, checks: frozenset[str]) -> bool:
-    """Return whether a score is capped while one of these checks fails."""
-    essential = claim.exercise.essential
-    return essential is not None and not checks.isdisjoint(essential.checks)
+def soon(claim: Claim, checks: frozenset[str]) -> bool:
+    """Return whether a check caps a score, and the mutant that fails it costs little."""
+    essential, name = claim.exercise.essential, claim.name.rpartition("/")[2]
+    return bool(essential and checks.intersection(essential.checks)) and name not in DEAR_TO_JUDGE
 
 
 def soon_driven(claim: Claim) -> bool:
-    """Return whether a claim is a reference that costs little."""
+    """Return whether a claim is a reference: not of the five that cost more than half of all."""
     return claim.kind == "reference" and claim.exercise.slug not in LONG_DRIVES
 
 
@@ -76,7 +75,7 @@ def test_claims_hold(
 @pytest.mark.parametrize(
     ("claim", "checks"),
     [
-        pytest.param(claim, checks, id=claim.name, marks=() if caps(claim, checks) else LONG)
+        pytest.param(claim, checks, id=claim.name, marks=() if soon(claim, checks) else LONG)
         for claim, checks in WRONG
     ],
 )
@@ -115,7 +114,7 @@ def require_failures(
             for name in sorted(checks)
             if not fails(claim.exercise, check_of(claim.exercise, name), wrong_trials, right_trials)
         ]
-    assert passed == []
+    assert not passed
 
 
 def check_of(exercise: Exercise, name: str) -> Callable[[Runs], None]:
