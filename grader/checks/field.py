@@ -9,7 +9,7 @@ from typing import Any
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, check
-from grader.checks.words import wired
+from grader.checks.verbs import wired
 
 BY_ANGLE = "Compute each beam's angle from angle_min and angle_increment, and wrap it to -π … π."
 Check = Callable[[Runs], None]

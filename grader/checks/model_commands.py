@@ -8,8 +8,8 @@ from functools import partial
 from grader.checks.case import Case, Runs
 from grader.checks.contract import free_from
 from grader.checks.predictions import CALLED, OTHERWISE, PREDICT, loads, model_file
+from grader.checks.verbs import TOLERANCE, answers_once, follows, keeps_distance, logs
 from grader.checks.verdict import fail
-from grader.checks.words import TOLERANCE, answers_once, follows, keeps_distance, logs
 from grader.recording import Recording
 
 ERRORS = ("error", "fatal")

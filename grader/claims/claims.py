@@ -92,7 +92,7 @@ def claim_of(exercise: Exercise, kind: str, path: Path) -> Claim:
 
 def grade_claim(
     claim: Claim,
-    forkserver: Launcher,
+    launcher: Launcher,
     *,
     field: bool = True,
     only: Iterable[str] = (),
@@ -103,7 +103,7 @@ def grade_claim(
         return grade_submission(
             claim.exercise,
             submission,
-            forkserver,
+            launcher,
             file=f"{claim.stem}.py",
             field=field,
             only=only,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from grader.checks.contract import Contract, Free, Limits
-from grader.checks.words import first_contact
+from grader.checks.verbs import first_contact
 from grader.errors import InputError
 from grader.recording import Recording
 

@@ -184,7 +184,7 @@ def _content(path: Path, option: str) -> bytes:
 def drive_node(
     submission: Submission,
     scenario: Scenario,
-    forkserver: Launcher,
+    launcher: Launcher,
     *,
     seed: int | None = None,
     arguments: Sequence[str] = (),
@@ -204,13 +204,13 @@ def drive_node(
 
     If a scenario uses the student's own model, it is taken from the node's folder.
     """
-    submission = unpacked(submission, forkserver)
+    submission = unpacked(submission, launcher)
     own = [name for name, model in scenario.node.models.items() if model.probe == OWN]
     beside = [file for name in own if (file := file_beside(submission.path, name)) is not None]
     return run_trial(
         submission,
         scenario,
-        forkserver,
+        launcher,
         seed=mixed_seed(scenario.seed, seed),
         arguments=arguments,
         stamped=stamped,
@@ -225,11 +225,11 @@ def drive_node(
     )
 
 
-def drive_in(submission: Submission, scenario: Scenario, forkserver: Launcher) -> Recording:
+def drive_in(submission: Submission, scenario: Scenario, launcher: Launcher) -> Recording:
     """Drive a node as `course drive --scenario` does, but with less patience at first."""
     with_frames = msgspec.structs.replace(scenario, transforms=Transforms(enabled=True))
     for limits in (PATIENCE, SECOND_LOOK):
-        recording = drive_node(submission, with_frames, forkserver, limits=limits, interrupt=False)
+        recording = drive_node(submission, with_frames, launcher, limits=limits, interrupt=False)
         if recording.outcome.kind not in ("hung", "slow"):
             break
     return recording

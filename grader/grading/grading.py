@@ -246,7 +246,7 @@ def _helped(check: CheckResult, cause: Cause | None) -> CheckResult:
 def grade_submission(
     exercise: Exercise,
     submission: Submission,
-    forkserver: Launcher,
+    launcher: Launcher,
     *,
     file: str,
     field: bool = False,
@@ -269,11 +269,11 @@ def grade_submission(
         The grader or the machine failed; it says nothing about the submission.
     """
     only = tuple(only)
-    submission = unpacked(submission, forkserver)
+    submission = unpacked(submission, launcher)
     for _ in range(ATTEMPTS):
         with NodeTrials(
             submission,
-            forkserver,
+            launcher,
             seed=seed,
             bags=bags,
             real_time=tier == 2,
@@ -287,8 +287,8 @@ def grade_submission(
                 tier=tier,
                 field=field,
                 only=only,
-                isolation=forkserver.isolation,
-                practice=forkserver.practice,
+                isolation=launcher.isolation,
+                practice=launcher.practice,
                 on_progress=on_progress,
             )
         repeated = tier == 2 or any(r.live is not None and r.live.stall for r in grading.recordings)

@@ -91,17 +91,17 @@ def carry_out(order: Order, forkservers: ForkServerPool, send: Send) -> Answer |
         return None if isinstance(order, Warm) else Problem(str(error), fault=True)
 
 
-def _drive(order: Drive, forkserver: Launcher) -> Driven:
+def _drive(order: Drive, launcher: Launcher) -> Driven:
     scenario = scenario_for(
         order.scenario, lidar=order.lidar, duration=order.duration, goals=order.goals
     )
     others = [program.file for program in scenario.program if program.file]
     submission = find_submission(Path(order.file), others=others)
-    submission = unpacked(submission, forkserver)
+    submission = unpacked(submission, launcher)
     arguments = arguments_of(order.params)
-    recording = drive_node(submission, scenario, forkserver, seed=order.seed, arguments=arguments)
+    recording = drive_node(submission, scenario, launcher, seed=order.seed, arguments=arguments)
     with contextlib.redirect_stdout(io.StringIO()) as said:
-        print_summary(recording, file=order.shown, seed=order.seed, practice=forkserver.practice)
+        print_summary(recording, file=order.shown, seed=order.seed, practice=launcher.practice)
         print(*(f"  {sentence}" for sentence in submission.account()), sep="\n")
     payload = page_payload(None, [recording], recording.scenario.title or recording.name)
     return Driven(said.getvalue(), page_html({**payload, "embedded": True}))
@@ -111,10 +111,10 @@ def _look(order: Look, forkservers: ForkServerPool, send: Send) -> Driven:
     exercise = find_exercise(order.exercise)
     arena = search.arena_of(exercise, field=order.field)
     submission = find_submission(Path(order.file), exercise.files[0])
-    forkserver = forkservers.of(exercise.libraries)
+    launcher = forkservers.of(exercise.libraries)
     result = search.search(
         arena,
-        lambda scenario: drive_in(submission, scenario, forkserver),
+        lambda scenario: drive_in(submission, scenario, launcher),
         seed=order.seed,
         tries=order.tries,
         minutes=order.minutes,

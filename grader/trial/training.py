@@ -69,7 +69,7 @@ class Trained:
 
 
 def run_training(
-    submission: Submission, scenario: Scenario, forkserver: Launcher, *, seed: int | None = None
+    submission: Submission, scenario: Scenario, launcher: Launcher, *, seed: int | None = None
 ) -> Trained:
     """Run the training script that belongs to a submission, and question its models.
 
@@ -87,7 +87,7 @@ def run_training(
         training = Training(spec.script, problem)
         return Trained(replace(not_run(simulation, outcome), training=training), None)
     _require_libraries()
-    return _train(submission, simulation, spec, forkserver.workshop)
+    return _train(submission, simulation, spec, launcher.workshop)
 
 
 def _train(

@@ -101,7 +101,7 @@ class NodeTrials(Trials):
     """Runs the student's node, a few scenarios at a time."""
 
     submission: Submission
-    forkserver: Launcher
+    launcher: Launcher
     seed: Seed | None = None  # mixed into every scenario's own
     bags: Path | None = None
     limits: Limits = field(default_factory=Limits)
@@ -268,7 +268,7 @@ class NodeTrials(Trials):
         seed = self.seed_of(scenario)
         if self.kept and (found := self.kept.get(self.submission, scenario, seed, {})):
             return Trained(*found)
-        trained = run_training(self.submission, scenario, self.forkserver, seed=seed)
+        trained = run_training(self.submission, scenario, self.launcher, seed=seed)
         if self.kept:
             self.kept.put(self.submission, trained.recording, {}, trained.pickle)
         return trained
@@ -332,7 +332,7 @@ class NodeTrials(Trials):
         recording = run_trial(
             self.submission,
             scenario,
-            self.forkserver,
+            self.launcher,
             seed=self.seed_of(scenario),
             limits=limits,
             files=files,
@@ -341,7 +341,7 @@ class NodeTrials(Trials):
         spent = real_clock.perf_counter() - began
         self._took.append(spent - float(recording.compute.queued.sum()))
         self._published += sum(len(message.data) for message in recording.published)
-        if self.forkserver.practice:
+        if self.launcher.practice:
             return recording  # there is no real time: the node hangs, or can't run
         if recording.outcome.kind == "real_time":
             self._why_real = recording.outcome.text
@@ -376,11 +376,11 @@ class NodeTrials(Trials):
         from grader.trial.real_time import run_live_trial  # noqa: PLC0415
         from rclpy_virtual_time.link.hosts import ForkServer  # noqa: PLC0415  (only Linux can import these)
 
-        assert isinstance(self.forkserver, ForkServer)
+        assert isinstance(self.launcher, ForkServer)
         return run_live_trial(
             self.submission,
             scenario,
-            self.forkserver,
+            self.launcher,
             seed=self.seed_of(scenario),
             files=self._own_models(scenario),
             reason=reason,

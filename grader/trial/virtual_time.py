@@ -73,7 +73,7 @@ class Limits:
 def run_trial(
     submission: Submission,
     scenario: Scenario,
-    forkserver: Launcher,
+    launcher: Launcher,
     *,
     seed: int | None = None,
     arguments: Sequence[str] = (),
@@ -125,7 +125,7 @@ def run_trial(
         simulation = Simulation(scenario, seed)
         with (
             stage(submission, scenario, arguments, files) as staged,
-            forkserver.host(staged.folder) as link,
+            launcher.host(staged.folder) as link,
         ):
             recorder = Recorder(stamped=stamped, most=limits.published)
             trial = _Trial(simulation, recorder, link, charged=charge_compute)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
 from grader.checks.commands import FIELDS, ZERO
+from grader.checks.verbs import follows, wired, within, zero
 from grader.checks.verdict import fail
-from grader.checks.words import follows, wired, within, zero
 from grader.exercises.goal_seeking.contract import CONTRACT, MAX_SPEED, SPEED_GAIN, quests
 from grader.exercises.goal_seeking.ways import announces, keeps_time, reaches, sent, warns
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from grader.checks.case import Runs
 from grader.checks.check import SAFETY, check
 from grader.checks.field import FieldSuite
-from grader.checks.words import follows
+from grader.checks.verbs import follows
 from grader.exercises.goal_seeking.contract import quests
 from grader.exercises.goal_seeking.test_core import SPEED_TOLERANCE
 from grader.exercises.goal_seeking.ways import keeps_time, reaches, stands_without_odometry

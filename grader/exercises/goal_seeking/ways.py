@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from grader.checks.verbs import every, logs
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.checks.words import every, logs
 from grader.exercises.goal_seeking.contract import (
     PERIOD,
     REACTION,

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 from grader.checks.case import Runs
 from grader.checks.predictions import PREDICT, questions
+from grader.checks.verbs import require_allowed
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.checks.words import require_allowed
 from grader.recording import Recording
 
 MEASURE = (

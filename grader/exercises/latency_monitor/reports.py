@@ -9,7 +9,7 @@ from typing import Any
 
 from grader.checks.case import Allowed, Case, Runs, Said
 from grader.checks.commands import published
-from grader.checks.words import follows
+from grader.checks.verbs import follows
 from grader.exercises.latency_monitor.contract import KEYS, LEVELS, right_numbers
 from grader.recording import Recording
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
 from grader.checks.model_commands import loads_once, predicts, stands
-from grader.checks.words import answers_once, every, only_linear_x, wired
+from grader.checks.verbs import answers_once, every, only_linear_x, wired
 from grader.exercises.latency_monitor.calls import answers_all, asks_once_each
 from grader.exercises.latency_monitor.reports import PERIOD, PERIOD_TOLERANCE, TOPIC, reports
 

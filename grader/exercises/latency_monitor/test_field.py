@@ -5,7 +5,7 @@ from __future__ import annotations
 from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
 from grader.checks.model_commands import predicts
-from grader.checks.words import answers_once, every
+from grader.checks.verbs import answers_once, every
 from grader.exercises.latency_monitor.calls import asks_once_each
 from grader.exercises.latency_monitor.contract import KEYS
 from grader.exercises.latency_monitor.reports import PERIOD, PERIOD_TOLERANCE, TOPIC, reports

@@ -15,7 +15,7 @@ from grader.checks.case import Allowed, Case, Interval, Runs, answered, exactly
 from grader.checks.commands import answers
 from grader.checks.contract import Contract, free_from
 from grader.checks.parameters import Order, orders
-from grader.checks.words import follows
+from grader.checks.verbs import follows
 from grader.recording import Recording, Scan
 
 Settings = dict[str, float | str]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
-from grader.checks.words import answers_once, follows, keeps_distance, wired, within
+from grader.checks.verbs import answers_once, follows, keeps_distance, wired, within
 from grader.exercises.live_parameters.contract import CONTRACT, starts_safely
 
 STARTS = ("live_start_fast", "live_start_near")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
-from grader.checks.words import answers_once, follows
+from grader.checks.verbs import answers_once, follows
 
 
 def _keeps_the_contract(runs: Runs, help: str) -> None:

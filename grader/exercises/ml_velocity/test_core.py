@@ -14,7 +14,7 @@ from grader.checks.model_commands import (
     predicts,
     stands,
 )
-from grader.checks.words import answers_once, drives_on, keeps_distance, only_linear_x, wired
+from grader.checks.verbs import answers_once, drives_on, keeps_distance, only_linear_x, wired
 from grader.exercises.ml_velocity.contract import FOREST, TOLERANCE
 
 HUNDRED, WALL, CART = "ml_hundred", "ml_drive_wall", "ml_drive_cart"

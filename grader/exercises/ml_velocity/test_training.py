@@ -8,9 +8,9 @@ import numpy as np
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, TIMING, WIRING, check
+from grader.checks.verbs import keeps_distance
 from grader.checks.verdict import fail, inconclusive
 from grader.checks.wiring import advice_on, lines_of
-from grader.checks.words import keeps_distance
 from grader.exercises.ml_velocity.contract import TRAINING
 from grader.recording import ScriptRun, Training, death_of
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, WIRING, check
 from grader.checks.model_commands import FREE, obeys_parameters, predicts
-from grader.checks.words import answers_once, drives_on, keeps_distance, only_linear_x, wired
+from grader.checks.verbs import answers_once, drives_on, keeps_distance, only_linear_x, wired
 from grader.exercises.model_formats.contract import KERAS, ONNX, SKLEARN, TORCH, deep
 
 READINGS, LONG, BLIND = "format_readings", "format_hundred", "format_blind"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, check
 from grader.checks.model_commands import ERRORS, loads_once, predicts, stands
-from grader.checks.words import follows, logs
+from grader.checks.verbs import follows, logs
 from grader.exercises.model_formats.contract import KERAS, ONNX, TORCH, deep
 
 FILES = (

@@ -20,7 +20,7 @@ import numpy as np
 
 from grader.checks.case import Case, exactly
 from grader.checks.commands import published
-from grader.checks.words import every, logs
+from grader.checks.verbs import every, logs
 from grader.exercises.model_server.notes import NEAR, START_UP, Request, requests
 from grader.models.partners import DOUBLE, WELL_FORMED
 from grader.recording import Recording

@@ -6,7 +6,7 @@ from functools import partial
 
 from grader.checks.case import Case
 from grader.checks.contract import Contract
-from grader.checks.words import follows
+from grader.checks.verbs import follows
 from grader.exercises.model_server import clients, server
 from grader.recording import Recording
 

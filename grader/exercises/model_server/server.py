@@ -18,7 +18,7 @@ import numpy as np
 
 from grader.checks.case import Allowed, Case, Said, exactly
 from grader.checks.predictions import loads, questions
-from grader.checks.words import TOLERANCE
+from grader.checks.verbs import TOLERANCE
 from grader.exercises.model_server.notes import NEAR, START_UP, Request, asked
 from grader.models.features import NAMES, possible_features
 from grader.recording import Inference, Recording, Scan

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, STATE, TIMING, WIRING, check
-from grader.checks.words import wired
+from grader.checks.verbs import wired
 from grader.exercises.model_server.clients import ROLES, beats, warns
 from grader.exercises.model_server.contract import keeps
 

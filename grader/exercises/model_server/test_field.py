@@ -7,7 +7,7 @@ from itertools import product
 from grader.checks.case import Runs
 from grader.checks.check import TIMING, check
 from grader.checks.field import FieldSuite
-from grader.checks.words import every
+from grader.checks.verbs import every
 from grader.exercises.model_server.clients import ASK_PERIOD, PATIENCE, ROLES, beats
 from grader.exercises.model_server.contract import keeps
 from grader.exercises.model_server.notes import NEAR

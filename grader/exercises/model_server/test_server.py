@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
-from grader.checks.words import logs, wired
+from grader.checks.verbs import logs, wired
 from grader.exercises.model_server.contract import keeps
 
 PLAIN, EARLY, LATE = "detect_answers", "detect_no_scan", "detect_late_scans"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from grader.checks.callbacks import quick, stays_quick
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
-from grader.checks.words import (
+from grader.checks.verbs import (
     answers_once,
     drives_on,
     follows,

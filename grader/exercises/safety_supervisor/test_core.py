@@ -5,7 +5,7 @@ from __future__ import annotations
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, TIMING, WIRING, check
 from grader.checks.commands import FIELDS, ZERO
-from grader.checks.words import follows, keeps_distance, wired, within, zero
+from grader.checks.verbs import follows, keeps_distance, wired, within, zero
 from grader.exercises.safety_supervisor.contract import CONTRACT, DIAGNOSTICS_TOPIC, LEVELS
 from grader.exercises.safety_supervisor.words import heeds, one_a_tick, own_reason, reports_often
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.field import BY_ANGLE, FieldSuite
-from grader.checks.words import follows, keeps_distance
+from grader.checks.verbs import follows, keeps_distance
 from grader.exercises.safety_supervisor.words import one_a_tick, own_reason, reports_often
 
 

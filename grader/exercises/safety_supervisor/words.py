@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from grader.checks.case import Case, Runs
 from grader.checks.commands import ZERO
+from grader.checks.verbs import every, follows
 from grader.checks.verdict import fail
-from grader.checks.words import every, follows
 from grader.exercises.safety_supervisor.contract import DIAGNOSTICS_TOPIC, LEVELS, PERIOD
 from grader.recording import Recording
 from sim.messages import BOOL, CMD_VEL_TOPIC, E_STOP_TOPIC, decode

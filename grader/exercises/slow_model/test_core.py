@@ -6,7 +6,7 @@ from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, TIMING, WIRING, check
 from grader.checks.model_commands import ERRORS, SILENTLY, loads_once
 from grader.checks.predictions import TOLERANCE
-from grader.checks.words import follows, logs, only_linear_x, reacts, wired
+from grader.checks.verbs import follows, logs, only_linear_x, reacts, wired
 from grader.exercises.slow_model.contract import LATEST_STOP, silence
 from grader.exercises.slow_model.words import heeds, keeps_period, stands
 

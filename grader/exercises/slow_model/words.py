@@ -11,9 +11,9 @@ import numpy as np
 
 from grader.checks.case import Runs
 from grader.checks.commands import ZERO
+from grader.checks.verbs import every, follows
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive
-from grader.checks.words import every, follows
 from grader.exercises.slow_model.contract import PERIOD, ROUNDED
 from grader.recording import Recording
 from sim.messages import CMD_VEL_TOPIC

@@ -5,7 +5,7 @@ from __future__ import annotations
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, TIMING, WIRING, check
 from grader.checks.commands import FIELDS
-from grader.checks.words import every, follows, keeps_distance, wired, zero
+from grader.checks.verbs import every, follows, keeps_distance, wired, zero
 from grader.exercises.three_nodes.contract import NODES
 
 BENCH, ALONE, WALL = "shuttle_bench", "shuttle_guard", "shuttle_wall"

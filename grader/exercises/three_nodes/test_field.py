@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
-from grader.checks.words import follows
+from grader.checks.verbs import follows
 from grader.exercises.three_nodes.contract import NODES
 
 

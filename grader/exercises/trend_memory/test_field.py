@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.field import FieldSuite
-from grader.checks.words import answers_once, follows, keeps_distance
+from grader.checks.verbs import answers_once, follows, keeps_distance
 from grader.exercises.trend_memory.contract import TOPIC
 
 

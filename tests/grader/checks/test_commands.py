@@ -16,8 +16,8 @@ from grader.checks.commands import (
     published,
     spell,
 )
+from grader.checks.verbs import answers_once
 from grader.checks.verdict import CheckFailed
-from grader.checks.words import answers_once
 from sim.messages import FLOAT64, Message, encode, typestore
 
 NODE = """

@@ -1,6 +1,6 @@
-"""The words of the checks: each is one question to recordings, with one wording of its failure.
+"""The verbs of the checks: each is one question to recordings, with one wording of its failure.
 
-An exercise's own oracle (`cases` in its `contract.py`) says what is right; the words only compare.
+An exercise's own oracle (`cases` in its `contract.py`) says what is right; the verbs only compare.
 """
 
 from __future__ import annotations

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from grader.checks.case import Case, Runs, exactly
+from grader.checks.verbs import follows, require_allowed
 from grader.checks.verdict import CheckFailed
-from grader.checks.words import follows, require_allowed
 from grader.recording import Outcome
 
 NEAR = Case(1.0, "a wall 0.42 m ahead", frozenset({"stop"}), {"linear.x": exactly(0.0)})
