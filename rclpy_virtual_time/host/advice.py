@@ -25,7 +25,7 @@ class Advice:
         return []
 
     def cause(self, error: BaseException) -> BaseException:
-        """Return the exception to tell of, where one has led to another."""
+        """Return the exception to explain, where one exception has led to another."""
         return error
 
     def hint(self, error: BaseException) -> str:

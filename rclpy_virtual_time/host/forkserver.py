@@ -341,7 +341,7 @@ def _warm_up_pytest() -> None:
 
 
 def _import(libraries: Sequence[str]) -> None:
-    """Import what takes long; what is not installed is missed by whoever needs it."""
+    """Import modules that take long; programs that need a missing module fail later."""
     for name in libraries:
         with contextlib.suppress(ImportError):
             (_load_type if "/" in name else importlib.import_module)(name)

@@ -169,7 +169,7 @@ NOTED = (
 
 
 class Note(msgspec.Struct, array_like=True, frozen=True):
-    """What a person should know of a run, and no message shows; nobody judges it."""
+    """A note on a run for a person: no message shows it, and no check judges it."""
 
     kind: Annotated[str, msgspec.Meta(pattern=f"^({'|'.join(NOTED)})$")]
     about: Name  # a topic, a node, a program, a function, sections ...
@@ -264,7 +264,7 @@ class HeardNow(msgspec.Struct, frozen=True, tag="heard"):
 
 
 class Carried(msgspec.Struct, frozen=True, tag="carried"):
-    """What a task has come to."""
+    """The result of a task."""
 
     data: bytes
 

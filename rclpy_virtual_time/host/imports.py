@@ -1,4 +1,4 @@
-"""Only what a program imports is there for it, though its host has imported much before.
+"""A program sees only the modules that it imports, though its host has imported many before.
 
 `import rclpy` brings no `rclpy.node`. A host that needs it itself would show it to the program all
 the same, and a node would run here that starts on no robot. So

@@ -18,7 +18,7 @@ BINARY = getattr(os, "O_BINARY", 0)  # Windows: no other line ends
 
 
 def serve(kind: str, epoch: str, advice: str, *rest: str) -> None:
-    """Import what takes long, tell the judge, and run what it asks for; never returns.
+    """Do the long imports, tell the judge, and run its orders; never returns.
 
     `rest` are the libraries to import, and the files for stdout and stderr.
     """

@@ -42,7 +42,7 @@ class Heard(NamedTuple):
 
 
 class _RobotNode(rclpy.node.Node):  # type: ignore[misc]
-    """A node that tells nobody of its parameters: a student's node may come before it."""
+    """A node that publishes no parameter events, because a student's node may come before it."""
 
     def create_publisher(self, msg_type: Any, topic: str, *args: Any, **kwargs: Any) -> Any:
         if topic == PARAMETER_EVENTS:
@@ -81,7 +81,7 @@ class RobotEnds:
         self._listeners[topic] = (type_name(msg_type), msg_type, listener)
 
     def hears(self, topic: str) -> bool:
-        """Return whether it listens to a topic."""
+        """Return whether the robot listens to a topic."""
         return topic in self._listeners
 
     def speak(self, topic: str, msg_type: Any, theirs: QoSProfile) -> str:
@@ -117,7 +117,7 @@ class RobotEnds:
         return ", and ".join(errors)
 
     def speaks(self, topic: str) -> bool:
-        """Return whether it has a publisher of a topic."""
+        """Return whether the robot has a publisher of a topic."""
         return topic in self._speakers
 
     def speaker(self, topic: str) -> Any:
@@ -125,7 +125,7 @@ class RobotEnds:
         return self._speakers.get(topic)
 
     def take(self, most: int = 10**9) -> list[Heard]:
-        """Return what was heard since the last call, in the order in which it was sent.
+        """Return the messages heard after the last call, in the order in which they were sent.
 
         A node can publish as fast as this takes: after `most` messages the rest waits.
         """
@@ -153,7 +153,7 @@ class RobotEnds:
         return index >= 0 and bool(sent <= self.unheard[index].end)
 
     def deliver(self, topic: str, data: bytes) -> None:
-        """Publish a message of the robot; nobody hears it where the student has no end."""
+        """Publish a message of the robot; without an endpoint of the student's it is lost."""
         if topic in self._offers and self._offers[topic].latched:
             self._latched[topic] = data
         if topic in self._speakers:

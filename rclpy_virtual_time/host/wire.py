@@ -84,7 +84,7 @@ class Turns:
             self._mark(fd, f"{MARK}{time}\n")
 
     def take(self, fd: int) -> None:
-        """Mark that it is this one's turn, where that is news, and no line is cut in two."""
+        """Mark a change of turns, unless that would cut a line in two."""
         if fd == self._speaks or not self._whole[fd]:
             return
         flush_output()
@@ -112,7 +112,7 @@ def ended(kind: str, text: str, detail: str = "", now: int = 0) -> Ended:
 
 
 def flush_output() -> None:
-    """Let what the student printed go before what is said next."""
+    """Flush the student's output before the next frame."""
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(Exception):
             stream.flush()

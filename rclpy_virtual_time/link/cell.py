@@ -47,11 +47,11 @@ T = TypeVar("T")
 
 
 class Refused(Exception):
-    """What somebody handed in is not read; the message says why."""
+    """A submitted file is not read; the message says why."""
 
 
 class Broken(Refused):
-    """It is no valid file of its kind; the message is the parser's."""
+    """The file is invalid; the message is the parser's."""
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def start_launcher(
     epoch: int, libraries: tuple[str, ...] = (), *, portable: bool = False, **options: Any
 ) -> ForkServer | PracticeServer:
-    """Start what starts hosts.
+    """Start a launcher.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""DDS domains: a number of one's own for each live trial, so that no two hear each other."""
+"""DDS domains: a number for each live trial, because trials in one domain hear each other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What comes of asking a host something: its answer and what it cost, or why there is none."""
+"""The outcome of a question to a host: the answer and its cost, or why there is no answer."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class HostHung(Exception):
 
 
 class HostForged(Exception):
-    """The host sent what no node can say."""
+    """The host sent a frame that no node can send."""
 
 
 @dataclass(frozen=True)

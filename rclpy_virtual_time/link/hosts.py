@@ -188,7 +188,7 @@ class ForkServer:
 
     @contextlib.contextmanager
     def user(self) -> Iterator[int]:
-        """Hold a user [uid] for hosts, which nobody else on this machine has.
+        """Hold a user [uid] for hosts that no other process on this machine has.
 
         0, the judge's own user, where hosts can't run as another.
         """
@@ -205,7 +205,7 @@ class ForkServer:
 
     @contextlib.contextmanager
     def workplace(self, folder: Path, *, limited: bool = True) -> Iterator[Workplace]:
-        """Make a folder one that hosts work in, all of them as one user that others are not.
+        """Prepare a folder for hosts, which all run as one user of their own.
 
         Where mounts are to be had it is `limited`: hosts work in a copy, which can't grow, and
         which is gone when the block ends.
@@ -319,7 +319,7 @@ class ForkServer:
                     raise
 
     def _why(self) -> str:
-        """Say why there is none: its last words, and what may help."""
+        """Say why the fork server did not start: its last words, and what may help."""
         said = self._last_words()
         if SHARED_OBJECT in said and (folders := left_out()):
             said += (

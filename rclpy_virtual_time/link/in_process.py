@@ -61,14 +61,14 @@ class Stacks(Protocol):
     """Where the programs of a trial run, and how they end."""
 
     def run(self, body: Callable[[], object]) -> None:
-        """Run them until the trial is over."""
+        """Run the programs until the trial is over."""
 
     def leave(self) -> NoReturn:
-        """End it, from within."""
+        """End the trial, from one of its programs."""
 
 
 class _OneStack:
-    """The judge's own stack: programs without threads. It would not hear of an end in another."""
+    """The judge's own stack: programs without threads (an end in another thread goes unnoticed)."""
 
     def run(self, body: Callable[[], object]) -> None:
         with contextlib.suppress(_Over):
@@ -117,7 +117,7 @@ class InProcess:
         raise EngineError("training scripts can't be run here; use the installed course")
 
     def workplace(self, folder: Path) -> NoReturn:
-        """Refuse: there is one host, once."""
+        """Refuse: this process has a single host, once."""
         raise EngineError("there is one folder here, once; use the installed course")
 
     @contextlib.contextmanager
@@ -213,25 +213,25 @@ class _Host:
         self.launcher.stacks.leave()
 
     def expect_silence(self) -> None:
-        """Nothing can have come: it speaks when it is its turn."""
+        """Nothing can have come: on one stack, the host speaks only in its turn."""
 
     def exchange(self, data: bytes, limit: float) -> NoReturn:
         """Refuse: no bytes go this way."""
         raise EngineError("a host in the judge's process takes conversations only")
 
     def read_output(self) -> None:
-        """Take in what it has printed."""
+        """Read the node's output."""
         for fd, file in self._files.items():
             while data := os.pread(file, MAX_OUTPUT, self._taken[fd]):
                 self._taken[fd] += len(data)
                 self._outputs[fd].feed(data)
 
     def log(self) -> tuple[LogLine, ...]:
-        """Return what it had printed at its end, in order of time."""
+        """Return the node's output, in order of time."""
         return in_order(self.stdout, self.stderr)
 
     def stacks(self) -> str:
-        """Return nothing: who asks is on the same stack."""
+        """Return nothing: the judge is on the same stack."""
         return ""
 
     def wait(self, patience: float = 0.0) -> str:
@@ -251,7 +251,7 @@ class _OwnWire(Wire, Generic[Result]):
         self._told = 0.0  # [s]
 
     def receive(self) -> ToHost:
-        """Return what the judge has said; who asks after the end is unwound."""
+        """Return the judge's frame; a program that asks after the end is unwound."""
         if self._end is not None:
             self._host.launcher.stacks.leave()
         until = self.question.until if isinstance(self.question, Run) else 0

@@ -1,4 +1,4 @@
-"""What starts hosts, as the rest of the grader sees it: with Linux's means, or without.
+"""A launcher starts hosts: with Linux's means, or without.
 
 `hosts` has Linux's: a fork server and layers of isolation. `practice` needs nothing but Python.
 """
@@ -22,14 +22,14 @@ class Launcher(Protocol):
 
     @property
     def practice(self) -> str:
-        """Why a grading made here is for practice only; "" if it isn't."""
+        """Why a grading by this launcher is for practice only; "" if it counts."""
 
     @property
     def workshop(self) -> Launcher:
         """The launcher of hosts for scripts that goes with this one."""
 
     def workplace(self, folder: Path) -> AbstractContextManager[Workplace]:
-        """Make a folder one that several hosts work in, one after another."""
+        """Prepare a folder for several hosts, one after another."""
 
     def host(self, place: Path | Workplace) -> AbstractContextManager[Link]:
         """Start a host that works in a folder; it is dead when the block ends."""

@@ -43,7 +43,7 @@ class Transport(Protocol):
     stderr: Output
 
     def expect_silence(self) -> None:
-        """Make sure, before a question, that the host has not answered; it raises as `exchange`."""
+        """Make sure, before a question, that the host has not answered; raises as `exchange`."""
 
     def exchange(self, data: bytes, limit: float) -> tuple[bytes, Cost]:
         """Send a frame; return the body of the answer, after `limit` [s] of wall time at most.
@@ -55,16 +55,16 @@ class Transport(Protocol):
         """
 
     def read_output(self) -> None:
-        """Take in what it has printed."""
+        """Read the host's output."""
 
     def log(self) -> tuple[LogLine, ...]:
-        """Return what it has printed so far, in order of time."""
+        """Return the host's output so far, in order of time."""
 
     def stacks(self) -> str:
-        """Return where its threads are; "" where that can't be told."""
+        """Return the stacks of the host's threads; "" where they can't be had."""
 
     def wait(self, patience: float = 0.0) -> str:
-        """Wait for its end, for `patience` [s]; return its exit status."""
+        """Wait for the host's end, for `patience` [s]; return its exit status."""
 
 
 class Link:

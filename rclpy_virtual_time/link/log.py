@@ -15,5 +15,5 @@ class LogLine:
 
     @property
     def t(self) -> float:
-        """When it was said [s]."""
+        """When the line was printed [s]."""
         return self.time / 1e9

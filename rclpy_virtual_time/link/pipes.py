@@ -92,7 +92,7 @@ class Channel:
         return body
 
     def read_output(self) -> None:
-        """Take in what it has printed, as much as a pipe holds."""
+        """Read the host's output, as much as a pipe holds."""
         for fd in self._pipes:
             self._drain(fd)
 
@@ -132,7 +132,7 @@ class Pipes(Channel):
             self._all.register(fd, select.POLLIN)
 
     def expect_silence(self) -> None:
-        """Make sure that the host has not answered before it was asked, nor taken too much."""
+        """Make sure that the host has not answered before the question, nor taken too much."""
         early: bytes | None = bytes(self._buffer) or None
         with contextlib.suppress(BlockingIOError):
             early = early or os.read(self._host.link_in, 1)

@@ -39,7 +39,7 @@ class ForkServerPool:
         self.close()
 
     def of(self, libraries: tuple[str, ...] = ()) -> AnyServer:
-        """Return the fork server that has imported these modules; or what takes its place here.
+        """Return a launcher that has imported these modules: a fork server, where there can be one.
 
         Raises
         ------
@@ -55,7 +55,7 @@ class ForkServerPool:
         return forkserver
 
     def close(self) -> None:
-        """End them all: at the end, or after a fault, when nobody knows in what state one is."""
+        """End all launchers: at the end, or after a fault that leaves their state unknown."""
         while self._warm:
             self._end(next(reversed(self._warm)))
 

@@ -54,7 +54,7 @@ SETTINGS = {
 
 
 class PracticeServer:
-    """Starts hosts; one is always under way, so that the next trial need not wait for its imports.
+    """Starts hosts; a spare host is always starting, so the next trial need not wait for imports.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ class PracticeServer:
 
     @contextlib.contextmanager
     def workplace(self, folder: Path) -> Iterator[Workplace]:
-        """Make a folder one that several hosts work in: it is as good as any."""
+        """Return the folder unchanged: without isolation, no preparation is needed."""
         yield Workplace(folder, folder, 0)
 
     @contextlib.contextmanager
@@ -181,7 +181,7 @@ class PracticeHost:
             threading.Thread(target=work, args=(pipe,), daemon=True).start()
 
     def begin(self, folder: Path) -> None:
-        """Wait until it has imported what it needs; let it work in a folder.
+        """Wait until the host has done its imports; let it work in a folder.
 
         Raises
         ------
@@ -196,7 +196,7 @@ class PracticeHost:
         self._orders.put(LENGTH.pack(len(body)) + body)
 
     def expect_silence(self) -> None:
-        """Make sure that it has not answered before it was asked."""
+        """Make sure that the host has not answered before the question."""
         if not self._said.empty():
             self._receive(0.0)  # the end of the process is no answer
             raise HostForged("an answer before the question")
@@ -209,7 +209,7 @@ class PracticeHost:
         return body, Cost(real_clock.perf_counter() - begun, self._cpu() - cpu)
 
     def read_output(self) -> None:
-        """Take in what it has printed, up to `MOST_PRINTED`; HostForged if there is more."""
+        """Read the host's output, up to `MOST_PRINTED`; HostForged if there is more."""
         for output in (self.stdout, self.stderr):
             file = self._ours[output.stream]
             if os.fstat(file.fileno()).st_size > MOST_PRINTED:
@@ -218,16 +218,16 @@ class PracticeHost:
                 output.feed(data)
 
     def log(self) -> tuple[LogLine, ...]:
-        """Return what it has printed so far, in order of time."""
+        """Return the host's output so far, in order of time."""
         self.read_output()
         return in_order(self.stdout, self.stderr)
 
     def stacks(self) -> str:
-        """Return nothing: without signals nobody can ask."""
+        """Return nothing: stacks need signals, which not every system has."""
         return ""
 
     def wait(self, patience: float = 0.0) -> str:
-        """Wait for its end; return its exit status. After `patience` [s] it is killed."""
+        """Wait for the host's end, killing it after `patience` [s]; return its exit status."""
         try:
             return str(self._process.wait(patience))
         except subprocess.TimeoutExpired:
@@ -235,7 +235,7 @@ class PracticeHost:
             return str(self._process.wait())
 
     def close(self) -> None:
-        """End it, and what is left of it."""
+        """End the host, and remove what is left of it."""
         self.wait()
         self._orders.put(None)
         for name, path in self._files.items():

@@ -19,12 +19,12 @@ _OURS = re.compile(r"course-([0-9]+)-.*")
 
 
 def prefix() -> str:
-    """Return the prefix of this process's temporary folders; it tells whose they are."""
+    """Return the prefix of this process's temporary folders, which names the process."""
     return f"course-{os.getpid()}-"
 
 
 def sweep() -> None:
-    """Remove the folders of graders that no longer run: a killed one can't do it itself."""
+    """Remove the folders of graders that no longer run: a killed grader leaves its own."""
     if not Path("/proc").is_dir():
         return  # not Linux: nobody tells here which processes live
     from rclpy_virtual_time.host.sandbox.users import USERS  # noqa: PLC0415  (only Linux can import it)
@@ -86,7 +86,7 @@ def remove(top: Path) -> None:
 
 
 def open_regular_file(path: Path) -> BinaryIO:
-    """Open a file that somebody handed in, or that a student's program wrote.
+    """Open a submitted file, or a file that a student's program wrote.
 
     Raises
     ------

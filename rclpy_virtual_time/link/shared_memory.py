@@ -28,7 +28,7 @@ def shared_memory_of(pid: int) -> list[Path]:
 
 
 def remove_half_made_ports() -> list[Path]:
-    """Remove, and return, the ports of Fast DDS that nobody is making any more.
+    """Remove, and return, the half-made ports of Fast DDS whose processes are gone.
 
     A process that waits for one has it open, too: after `MAKING` the maker is taken for dead.
     """

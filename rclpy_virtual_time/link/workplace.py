@@ -44,7 +44,7 @@ class Workplace:
 
     @property
     def limited(self) -> bool:
-        """Return whether the kernel limits what it holds."""
+        """Return whether the kernel limits what the folder holds."""
         return self.descriptor >= 0
 
 
@@ -73,7 +73,7 @@ class Watch:
         self.patrol()
 
     def patrol(self) -> None:
-        """Do so while it works, as far as the kernel doesn't; it raises as `look` does."""
+        """Check a working host where the kernel sets no limit; raises as `look` does."""
         if not self.place.limited:
             now = real_clock.monotonic()
             if now - self._asked >= MAPS_EVERY:

@@ -41,7 +41,7 @@ def serve(read_fd: int, write_fd: int) -> None:
 
 
 class Vitals:
-    """What the judge has to know of a running program."""
+    """The state of a running program, for the judge."""
 
     def __init__(self) -> None:
         self._new: list[EndpointReport] = []
@@ -78,7 +78,7 @@ class Vitals:
         self._spun = self._spun or time.time_ns()
 
     def wait_ends(self) -> None:
-        """It has found some."""
+        """The executor has found work."""
         with self._lock:
             self._waiting -= 1
         self._last_wait = time.monotonic()

@@ -9,7 +9,7 @@ from ..virtual import kernel as kernel_module
 
 
 class StandIn:
-    """Takes the place of the judge's bridge: nobody listens, so nothing may be spared."""
+    """Replaces the bridge in tests: every endpoint is treated as connected."""
 
     parameters_in_use = True
 
@@ -27,7 +27,7 @@ class StandIn:
 
 
 class Alone(kernel_module.World):
-    """The world of a kernel in which nobody but the program acts.
+    """The world of a kernel in which only the program acts.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class Alone(kernel_module.World):
         self.clocks.follow()
 
     def exchange(self) -> None:
-        """Time is up, or nobody waits for a time; the main thread is told so."""
+        """Tell the main thread that time is up, or that no thread waits for a time."""
         kernel = self.kernel
         text = (
             f"the test still runs after {self.until / 1e9:g} s of virtual time, its limit"

@@ -1,4 +1,4 @@
-"""What a test in virtual time is given: its nodes' surroundings.
+"""The world of a test in virtual time: its nodes' surroundings.
 
 ::
 
@@ -49,12 +49,12 @@ class Heard(Sequence[Any]):
 
     @property
     def times(self) -> list[float]:
-        """When each came [s], since the block began."""
+        """When each message came [s], from the block's begin on."""
         self.take()
         return list(self._times)
 
     def take(self) -> None:
-        """Take what has come by now."""
+        """Take the messages that have come by now."""
         handle, kind = self._subscription.handle, self._subscription.msg_type
         with handle:
             while (taken := handle.take_message(kind, False)) is not None:
@@ -160,7 +160,7 @@ class World:
         self._alone.watchers.remove(self._take)
 
     def _settle(self, spinner: Any) -> None:
-        """Let an executor do what there still is to do at this moment, threads of its own too."""
+        """Let an executor and its threads do the work that is left at this moment."""
         thread = self._kernel.me()
         while rclpy.ok():
             self._kernel.park(self._kernel.now)

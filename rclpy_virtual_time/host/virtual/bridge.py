@@ -77,7 +77,7 @@ class Bridge:
         self.rosout.install()
 
     def collect(self, now: int) -> int:
-        """Take what the student's nodes published; it gets the time `now` [ns]. Return how much."""
+        """Take the messages that the student's nodes published by `now` [ns]; return how many."""
         self._keep(now, self._last_words)
         self._last_words = []
         taken = [heard for ends in self._ends.values() for heard in ends.take()]
@@ -95,12 +95,12 @@ class Bridge:
             self.published.append(Published(now, heard.topic, heard.type, heard.data))
 
     def take(self) -> list[Published]:
-        """Return what was collected since the last call."""
+        """Return the messages collected after the last call."""
         published, self.published, self._bytes = self.published, [], 0
         return published
 
     def deliver(self, topic: str, data: bytes) -> None:
-        """Publish a message of the robot; nobody hears it where the student has no end."""
+        """Publish a message of the robot; without an endpoint of the student's it is lost."""
         if topic in self._offers and self._offers[topic].latched:
             self._latched[topic] = data
         if self.discovery.calm:
@@ -114,12 +114,12 @@ class Bridge:
             ends.deliver(topic, data)
 
     def new_endpoints(self) -> list[EndpointReport]:
-        """Return the endpoints that the student created since the last call."""
+        """Return the endpoints that the student created after the last call."""
         endpoints, self._endpoints = self._endpoints, []
         return endpoints
 
     def notes(self, kernel: Kernel) -> Iterator[Note]:
-        """Yield what is to be told of callbacks and nodes now, and once of each program's files."""
+        """Yield notes on callbacks and nodes, and once on each program's files."""
         yield from tasks.waits(kernel)
         for party in self.discovery.newcomers():
             with contextlib.suppress(Exception):  # files and names are the student's: anything
@@ -172,7 +172,7 @@ class Bridge:
         self._endpoints.append(report(kind, node, endpoint, mismatch))
 
     def _await_history(self, topic: str) -> None:
-        """Wait until a new subscription has what was published before it came.
+        """Wait until a new subscription has the messages published before it.
 
         Only this DDS brings from a thread of its own, a moment later in real time: without the
         wait it would come at another virtual time in each run.
@@ -225,7 +225,7 @@ class Bridge:
 
 
 def _unread(party: found.Party) -> Iterator[Note]:
-    """Yield what a program's command line or file has, and nothing reads."""
+    """Yield the parameters of a program's command line or files that no node reads."""
     start: Any = getattr(party.program, "start", None)  # of one program among several
     own = start.arguments if start else getattr(party.context, "_course_arguments", ())
     yield from parameter_files.unread(own, [n.get_fully_qualified_name() for n in party.nodes])

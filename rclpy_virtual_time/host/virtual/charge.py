@@ -22,7 +22,7 @@ class Meter:
         self._left = 0  # [ns] used before that
 
     def restart(self) -> None:
-        """Leave out what was used since the last reading: it was the host's own work."""
+        """Leave out the CPU time after the last reading, because the host's own work took it."""
         self._since = cpu_time_ns()
 
     def whole(self) -> int:
@@ -32,7 +32,7 @@ class Meter:
         return used - self._left
 
     def rounded(self) -> int:
-        """Return what is due, to the nearest grain [ns]; nothing is left over."""
+        """Return the time that is due, to the nearest grain [ns]; nothing is left over."""
         used, self._left = self._used(), 0
         return (used + GRAIN // 2) // GRAIN * GRAIN
 

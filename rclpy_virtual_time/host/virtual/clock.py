@@ -198,7 +198,7 @@ class IntervalTimer:
 
 
 def _alarm() -> None:
-    """Do what the process does about SIGALRM."""
+    """Call the process's handler of SIGALRM."""
     handler: Any = signal.getsignal(signal.SIGALRM)
     if callable(handler):
         handler(signal.SIGALRM, sys._getframe(1))

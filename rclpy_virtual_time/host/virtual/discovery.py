@@ -38,7 +38,7 @@ KINDS = {  # the list of a node that holds the ends of a kind
     "client": "_clients",
     "service": "_services",
 }
-MOST = 1000  # marks that an end keeps of what it has missed
+MARKS = 1000  # that an end keeps of what it has missed
 UNCOUNTED = re.compile(r"/_|/transition_event$")  # actions, introspection, lifecycle nodes
 ROBOT_LISTENS = {"/cmd_vel": "geometry_msgs/msg/Twist"}
 PORTABLE: Any = sys.modules.get("rclpy_portable.native.machine")
@@ -55,7 +55,7 @@ class Party:
 
 
 class Missed(NamedTuple):
-    """What a subscription has got, though it had not met those who sent it."""
+    """A span of messages that reached a subscription before it had found their publishers."""
 
     begin: int  # [ns] by the clock of the stamps
     end: int
@@ -75,7 +75,7 @@ sent: Counter[str] = Counter()  # messages, requests and answers in this process
 
 
 class Discovery:
-    """Who has found whom."""
+    """Which programs have found each other's endpoints."""
 
     def __init__(self, kernel: Kernel, times: frames.Discovery, seed: int) -> None:
         self._kernel = kernel
@@ -126,7 +126,7 @@ class Discovery:
                 yield party
 
     def leave(self, node: Any = None, context: Any = None) -> None:
-        """Note that a node is gone, or a context with all of its own."""
+        """Note that a node is gone, or a context with all its nodes."""
         for party in self._parties:
             party.nodes.pop(node, None)
         self._parties = [p for p in self._parties if p.nodes and p.context is not context]
@@ -183,7 +183,7 @@ class Discovery:
     # --- what is sent ----------------------------------------------------------------------------
 
     def publish(self, publisher: Any, send: Callable[[], None], unheard: list[Missed]) -> None:
-        """Send a message of a program to those who have found its publisher.
+        """Send a message of a program to the programs that have found its publisher.
 
         `unheard` gets a mark of it if the robot is not among them. The judge reads what is latched
         as a program would that comes later; the robot listens for nothing latched.
@@ -199,7 +199,7 @@ class Discovery:
                 self._kernel.world.note(frames.Note("lost", name))
 
     def deliver(self, topic: str, send: Callable[[], None], *, latched: bool) -> None:
-        """Send a message of the robot to those whom it has found."""
+        """Send a message of the robot to the subscriptions that it has found."""
         self._send(topic, send, Party(None, None, 0), 0, latched=latched)
 
     def _send(
@@ -279,13 +279,13 @@ def _counting(send: Any) -> Any:
 
 
 def has_no_work(end: Any) -> None:
-    """Note that nothing waits for an end; what is latched may come late."""
+    """Note that nothing waits for an entity; latched messages may come late."""
     if not _latched(end):
         end._course_seen = sent[_key(end)]
 
 
 def is_plain(subscription: Any) -> bool:
-    """Return whether all that a subscription has got has reached it."""
+    """Return whether all messages that a subscription got have reached its program."""
     own = subscription.__dict__
     return not (own.get("_course_missed") or own.get("_course_arrived"))
 
@@ -355,7 +355,7 @@ def _meeting(party: Party, subscription: Any, found: int) -> Callable[[], int]:
 
 
 def _missed_by(subscription: Any) -> deque[Missed]:
-    missed: deque[Missed] = subscription.__dict__.setdefault("_course_missed", deque(maxlen=MOST))
+    missed: deque[Missed] = subscription.__dict__.setdefault("_course_missed", deque(maxlen=MARKS))
     return missed
 
 

@@ -50,7 +50,7 @@ ONLY_CHANGES = rclpy.clock.JumpThreshold(min_forward=None, min_backward=None)
 
 
 class Graph(Protocol):
-    """What executors ask of the endpoints that exist; the bridge knows."""
+    """The bridge, as executors see it: which endpoints exist."""
 
     @property
     def changes(self) -> int:
@@ -200,7 +200,7 @@ def _look(kernel: Kernel, bridge: Graph, executor: Any, nodes: Any, condition: A
 
 
 def _note_no_work(bridge: Graph, asked: list[Any], nodes: Any) -> None:
-    """Note that a look at the entities that it asked gave nothing."""
+    """Note that none of these entities was ready."""
     for entity in asked:
         discovery.has_no_work(entity)
     for node in nodes:
@@ -208,7 +208,7 @@ def _note_no_work(bridge: Graph, asked: list[Any], nodes: Any) -> None:
 
 
 def _may_execute(self: Any, entity: Any) -> bool:
-    """Leave out of the wait set what can't be ready."""
+    """Return whether an entity may be ready; others stay out of the wait set."""
     if isinstance(entity, Timer):
         return _is_due(entity) and bool(can_execute(self, entity))
     if not isinstance(entity, SENT_TO):
@@ -239,7 +239,7 @@ def _is_free(executor: Any) -> bool:
 
 
 def _may_be_ready(executor: Any, nodes: Any) -> list[tuple[Any, Any]]:
-    """Return the entities that may have work, each with its node."""
+    """Return the entities that may be ready, each with its node."""
     return [
         (entity, node)
         for node in nodes
@@ -250,7 +250,7 @@ def _may_be_ready(executor: Any, nodes: Any) -> list[tuple[Any, Any]]:
 
 
 def _alone(executor: Any, entity: Any, node: Any) -> Any:
-    """Return the work of the only end that may have any, as a look does; None: ask a wait set.
+    """Return the handler of the only entity that may be ready; None if a wait set is needed.
 
     Whether a message has come, only taking it tells. So it is taken here, but not for an executor
     with threads: others may run before its callback, and a newer message replace it.
@@ -353,7 +353,7 @@ def _next_timer(kernel: Kernel, nodes: Any) -> int | None:
 
 
 def _install_entities(bridge: Graph) -> None:
-    """Spare executors what can't become ready: half of the cost of a look.
+    """Spare executors the entities that can't become ready: half of the cost of a look.
 
     Nobody outside the process reaches a node's parameter services, so without a client inside they
     are never called; and QoS events tell of endpoints that appear, so nothing comes between.
@@ -411,7 +411,7 @@ def _install_clocks(kernel: Kernel, clocks: RosClocks) -> None:
     jump = clock_cls.create_jump_callback
 
     def virtual_jump(self: Any, threshold: Any, **callbacks: Any) -> Any:
-        """The host moves ROS clocks by setting them, but nobody's time jumps."""
+        """The host moves ROS clocks by setting them, but no program sees a jump of time."""
         ros_time = self.clock_type == ClockType.ROS_TIME
         return jump(self, ONLY_CHANGES if ros_time else threshold, **callbacks)
 

@@ -61,7 +61,7 @@ def install(discovery: Discovery, ends_in: Ends, offers: Mapping[str, Offer]) ->
 
 
 class _View:
-    """What there really is, and is not to be seen."""
+    """Endpoints that exist and that programs must not see."""
 
     def __init__(self, discovery: Discovery, ends_in: Ends, offers: Mapping[str, Offer]) -> None:
         self.discovery = discovery

@@ -52,7 +52,7 @@ class VirtualThread:
 
 
 class _Call:
-    """What is to happen at a time, in the place of a thread that wakes up."""
+    """An action at a time, in the place of a thread that wakes up."""
 
     ticket = 0
 
@@ -152,7 +152,7 @@ class Kernel:
         return self.present + max(1, round(seconds * 1e9))
 
     def charge(self) -> None:
-        """Let time catch up with what was computed, if that costs time."""
+        """Let time catch up with computing, if computing costs time."""
         if self.meter is not None and not self.computing:
             self._pay(self.meter.whole())
 

@@ -44,7 +44,7 @@ def _typing(end: int, key: bytes) -> Any:
 
 
 class _Keyboard(io.RawIOBase):
-    """What a program reads; it parks until there is a key."""
+    """A program's stdin: a read parks until there is a key."""
 
     name = "<stdin>"
 
@@ -65,7 +65,7 @@ class _Keyboard(io.RawIOBase):
 
 
 def _install_attributes() -> None:
-    """Let termios keep what it is given for stdin."""
+    """Let termios keep the attributes set for stdin."""
     import termios  # noqa: PLC0415
 
     module: Any = termios

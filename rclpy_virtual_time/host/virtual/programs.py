@@ -64,7 +64,7 @@ class Programs:
         self._own = _modules_here()
 
     def supervise(self) -> None:
-        """Do what is to be done, each at its time; never returns."""
+        """Start and kill programs, each at its time; never returns."""
         kernel = self._kernel
         self._supervisor = kernel.me()
         self._supervisor.program = kernel.program = self._host
@@ -86,11 +86,11 @@ class Programs:
                 program.signals.deliver(signal.SIGINT)
 
     def others(self) -> bool:
-        """Return whether programs run besides the calling one."""
+        """Return whether other programs run than the calling one."""
         return any(program is not self._kernel.program for program in self._alive())
 
     def go_on(self) -> bool:
-        """Return whether others run, or will, that are spared as the calling one is."""
+        """Return whether programs run, or will, that are spared as the calling program is."""
         alive = (*self._alive(), *(p for p in self._programs if p.signals and not p.signals.main))
         return any(p.start.spared and p is not self._kernel.program for p in alive)
 

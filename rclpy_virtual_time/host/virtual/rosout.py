@@ -33,7 +33,7 @@ class Line(NamedTuple):
     line: int
 
     def message(self) -> Log:
-        """Return the message that tells of it."""
+        """Return the line as a message."""
         return Log(
             stamp=self.time.to_msg(), level=int(self.severity), name=self.name, msg=self.text,
             function=self.function, file=self.file, line=self.line,
@@ -88,7 +88,7 @@ class Rosout:
         cls.__init__, cls.destroy_node = created, destroyed
 
     def listened_to(self, context: Any, latched: bool) -> None:
-        """Publish from now on; who asks for the past gets the last seconds first."""
+        """Publish from now on; to subscriptions that ask for the past, the last seconds first."""
         if context in self._publishers:
             return
         qos = QoSProfile(depth=DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -93,7 +93,7 @@ class Session(kernel_module.World):
         self.until = MAX_LEAD if self._starting else 0
 
     def settled(self) -> None:
-        """Collect what was published at this moment."""
+        """Collect the messages published at this moment."""
         kernel = self.kernel
         said = self.bridge.collect(self._time())
         self._in_a_row = self._in_a_row + said if kernel.reading else 0
@@ -217,7 +217,7 @@ class Session(kernel_module.World):
         self.turns.begin(self._marked)
 
     def _receive_run(self) -> Run:
-        """Return how to go on; who waits for an answer in it may go on, too."""
+        """Return the judge's next frame; threads that wait for an answer in it may go on, too."""
         run = self._wire.receive()
         if not isinstance(run, Run):
             raise ValueError("the judge can only say how to go on")

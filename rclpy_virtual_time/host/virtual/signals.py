@@ -27,11 +27,11 @@ class Signals:
         self.main: threading.Thread | None = None  # once it has started
 
     def handler(self, number: int) -> Any:
-        """Return what is done about a signal."""
+        """Return a signal's handler."""
         return self._handlers.get(number, signal.SIG_DFL)
 
     def handle(self, number: int, handler: Any) -> Any:
-        """Do something else about a signal; return what was done before."""
+        """Set a signal's handler; return the handler before."""
         if threading.current_thread() is not self.main:
             raise ValueError("signal only works in main thread of the main interpreter")
         before = self.handler(number)

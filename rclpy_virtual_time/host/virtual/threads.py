@@ -68,7 +68,7 @@ class Lock:
         self._held = False
 
     def locked(self) -> bool:
-        """Return whether somebody holds the lock."""
+        """Return whether a thread holds the lock."""
         return self._held
 
     release_lock, locked_lock = release, locked
