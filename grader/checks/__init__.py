@@ -1,8 +1,8 @@
 """What the checks of all exercises share; each exercise's own lie in `grader/exercises/NAME`.
 
 ==================  ============================================================================
-words               the words of a check: wired, follows, every, keeps_distance, …
-case, check         an occasion with what is allowed and what was said; the mark of a check
+verbs               the verbs of a check: wired, follows, every, keeps_distance, …
+case, check         a case with its allowed and its given answer; the mark of a check
 contract            what an exercise's node is: limits, period, worlds
 verdict             how a check fails, or says that the machine allows no verdict; evidence
 wiring              whether the node runs and has its topics and services; every check needs it

@@ -11,7 +11,7 @@ from grader.checks.verdict import fail, inconclusive
 from grader.recording import ENDS, Floats, Recording, made_again, rise_of
 
 OFTEN = 90  # [%] stalls of a machine don't hit one callback in ten, unless threads queue for it
-LEAST = 200  # callbacks, to measure
+MIN_CALLBACKS = 200  # to measure
 HOUR = 3600.0  # [s] a robot drives at least as long
 UNEXPLAINED = 0.02  # [s] of a turn without CPU time; below it nobody measured the wait for a CPU
 
@@ -20,10 +20,10 @@ def quick(recordings: Sequence[Recording], limit: float) -> None:
     """Fail unless a scan is dealt with in `limit` [s], at least 99 times in 100."""
     each = [costs(recording) for recording in recordings]
     _, wall, computed, busy = np.concatenate(each, axis=1)
-    if len(wall) < LEAST:
+    if len(wall) < MIN_CALLBACKS:
         fail(
             f"only {len(wall)} scans were dealt with before the node ended",
-            expected=f"at least {LEAST} callbacks to measure",
+            expected=f"at least {MIN_CALLBACKS} callbacks to measure",
             actual=f"{len(wall)}",
         )
     own, often = float(np.percentile(computed, 99)), float(np.percentile(busy, OFTEN))

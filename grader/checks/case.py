@@ -1,4 +1,4 @@
-"""An occasion on which a node had to say something: what its contract allows, and what it said."""
+"""A case: a moment that asks a node for an answer, with the answers allowed and the one given."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from grader.recording import Recording
 Interval = tuple[float, float]  # the least and the greatest
 Allowed = tuple[Interval, ...] | frozenset[str]  # any of these numbers, or of these words
 Said = float | str
-LEAST = 3  # answers, to see that they err alike
+MIN_ANSWERS = 3  # to see that they err alike
 NEAR_ZERO = 1e-3
 ROUNDED = 0.01  # of a factor
 
 
 @dataclass(frozen=True)
 class Case:
-    """One occasion.
+    """One case.
 
     Fields are named as in the message: `linear.x` of a Twist, `data` of a Float64, `reason`.
     """
@@ -31,18 +31,18 @@ class Case:
     tags: frozenset[str] = frozenset()  # under which checks ask for it
     allowed: Mapping[str, Allowed] = field(default_factory=dict)  # by field; none: silence
     said: Mapping[str, Said] = field(default_factory=dict)  # in force at the end; none: nothing yet
-    count: int = 1  # messages that were sent on this occasion
+    count: int = 1  # messages that were sent in this case
 
     @cached_property
     def rounded(self) -> tuple[tuple[str, Said], ...]:
-        """What it said, to three decimals, in order of the fields."""
+        """The answer, to three decimals, in order of the fields."""
         return tuple(
             (name, round(value, 3) if isinstance(value, float) else value)
             for name, value in sorted(self.said.items())
         )
 
     def wrong(self, tolerance: float = 0.0) -> str:
-        """Return the first field in which it said something else; empty if it is right."""
+        """Return the first field with a wrong answer; empty if the answer is right."""
         for name, allowed in self.allowed.items():
             if not among(self.said.get(name), allowed, tolerance):
                 return name
@@ -50,7 +50,7 @@ class Case:
 
 
 def answered(answer: Answer, allowed: Mapping[str, Allowed], *tags: str, what: str = "") -> Case:
-    """Return the occasion of a scan, and what answered it in the fields that are asked for."""
+    """Return the case of a scan, with the answer in the fields that are asked for."""
     return Case(
         at=answer.scan.t,
         what=what or answer.what,
@@ -83,15 +83,15 @@ class Runs(Sequence[Recording]):
         return len(self.recordings)
 
     def only(self, *names: str) -> Runs:
-        """Return those of these scenarios."""
+        """Return the runs in these scenarios."""
         return self.of([run for run in self.recordings if run.name in names])
 
     def driven(self) -> Runs:
-        """Return those of closed loops: what a bench shows does not depend on the commands."""
+        """Return the runs of closed loops: what a bench shows does not depend on the commands."""
         return self.of([run for run in self.recordings if not run.scenario.bench_scans])
 
     def benches(self) -> Runs:
-        """Return the others: those in which a bench says what the lidar sees."""
+        """Return the runs in which a bench says what the lidar sees."""
         return self.of([run for run in self.recordings if run.scenario.bench_scans])
 
     def of(self, recordings: Sequence[Recording]) -> Runs:
@@ -99,7 +99,7 @@ class Runs(Sequence[Recording]):
         return replace(self, recordings=recordings)
 
     def cases(self, *tags: str) -> Iterator[tuple[Recording, Case]]:
-        """Yield the occasions with one of these tags (all without), and their recordings."""
+        """Yield the cases with one of these tags (all if none is named), and their recordings."""
         for recording in self.recordings:
             if self.oracle not in recording.judged:
                 recording.judged[self.oracle] = self.oracle(recording)
@@ -109,7 +109,7 @@ class Runs(Sequence[Recording]):
 
 
 def exactly(*numbers: float) -> tuple[Interval, ...]:
-    """Return the allowance of one of these numbers."""
+    """Return an allowance for exactly these numbers."""
     return tuple((number, number) for number in numbers)
 
 
@@ -134,7 +134,7 @@ def wrong_unit(cases: Sequence[Case], field: str) -> str:
         for right in list(allowed)[:1]
         if isinstance(said, float) and isinstance(right, tuple) and abs(right[0]) > NEAR_ZERO
     ]
-    if len(factors) < max(LEAST, len(pairs) / 2) or min(factors) <= 0.0:
+    if len(factors) < max(MIN_ANSWERS, len(pairs) / 2) or min(factors) <= 0.0:
         return ""
     power = round(math.log10(factors[0]))
     if not power or any(abs(each / 10.0**power - 1.0) > ROUNDED for each in factors):
@@ -147,7 +147,7 @@ def wrong_unit(cases: Sequence[Case], field: str) -> str:
 
 
 def among(said: Said | None, allowed: Allowed, tolerance: float) -> bool:
-    """Return whether what was said is allowed; NaN never is."""
+    """Return whether an answer is allowed; NaN never is."""
     if isinstance(allowed, frozenset):
         return said in allowed
     if not isinstance(said, float | int) or math.isnan(said):

@@ -25,9 +25,9 @@ HALF_A_CENTIMETRE = 0.005 + 1e-9  # [m/s] what rounding to two decimals changes 
 
 
 def predicts(runs: Runs, *tags: str, help: str = "", tolerance: float = TOLERANCE) -> None:
-    """Fail unless the node commands what its model says, clipped, on each occasion of these tags.
+    """Fail unless the node commands its model's answer, clipped, in each case with these tags.
 
-    What it commands may be off by `tolerance` [m/s]. Each tag has to occur in each run.
+    A command may be off by `tolerance` [m/s]. Each tag has to occur in each run.
     """
     help = help or " ".join(HELP[tag] for tag in tags if tag in HELP)
     for recording in runs:
@@ -79,7 +79,7 @@ def obeys_parameters(runs: Runs, help: str, tolerance: float = TOLERANCE) -> Non
 
 
 def _explain(recording: Recording, case: Case) -> str:
-    """Return what else is known of a wrong command: an error in the log, no question, rounding."""
+    """Return what explains a wrong command: an error in the log, no question, rounding."""
     times = recording.times("/scan")
     first, later = times.min(initial=math.inf), times[times > case.at].min(initial=math.inf)
     for line in reversed(recording.log):

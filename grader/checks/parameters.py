@@ -26,7 +26,7 @@ class Described(msgspec.Struct, frozen=True):
 
 
 class Answer(msgspec.Struct, frozen=True):
-    """What a node said to an order."""
+    """A node's answer to an order."""
 
     order: int
     accepted: bool | None = None  # None: it was asked for descriptors
@@ -36,7 +36,7 @@ class Answer(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True)
 class Order:
-    """What somebody wanted of a node's parameters, and the answer."""
+    """A request about a node's parameters, and the answer."""
 
     at: float  # [s]
     text: str  # "speed:=0.2"

@@ -84,7 +84,7 @@ def predictions(recording: Recording) -> tuple[tuple[Interval, ...], ...]:
 
 
 def speed_cases(recording: Recording, model: Model | None) -> list[Case]:
-    """Return an occasion for each scan: the command is what this model (None: none) predicts.
+    """Return a case for each scan: the command is what this model (None: none) predicts.
 
     Of a model that the judge keeps it is known what it was asked and said: the node has to ask it
     about each scan, and to command what it said. No question is due about a scan that may count as

@@ -73,9 +73,9 @@ def follows(
     topic: str = CMD_VEL_TOPIC,
     explain: Callable[[Case], str] = lambda case: "",  # what a wrong answer shows, or `help`
 ) -> None:
-    """Fail unless the node said what is allowed, on each occasion with one of these tags.
+    """Fail unless the node's answer is allowed in each case with one of these tags.
 
-    Each tag has to occur: of a node that does too little, nothing is known.
+    Fail too if no case has a tag: a node that stopped early must not pass.
     """
     for recording in runs:
         require_alive(recording)
@@ -97,7 +97,7 @@ def require_allowed(
     tolerance: float = TOLERANCE,
     topic: str = CMD_VEL_TOPIC,
 ) -> None:
-    """Fail unless the node said on this occasion what it may say."""
+    """Fail unless the node's answer to this case is allowed."""
     wrong = case.wrong(tolerance)
     if not wrong and (case.allowed or not case.count):
         return
@@ -126,7 +126,7 @@ def require_allowed(
 
 
 def reacts(answers: Sequence[tuple[Recording, Case]]) -> None:
-    """Fail if the node nearly always says the same, though the occasions call for different things.
+    """Fail if the node nearly always says the same, though the cases call for different answers.
 
     Without this a node that only ever stops would pass every check that expects a stop.
     """
@@ -316,7 +316,7 @@ def logs(
 
 
 def first_asked(recording: Recording) -> float | None:
-    """Return when the node was sent its first message [s]: where a failure of a whole run opens."""
+    """Return when the node was sent its first message [s]: where a whole run's failure is shown."""
     return recording.delivered[0].time / 1e9 if recording.delivered else None
 
 

@@ -35,7 +35,7 @@ class Inconclusive(Exception):
 
 @dataclass(frozen=True)
 class Evidence:
-    """What recordings show of a mistake of which the checks only show the effects.
+    """What recordings show of a mistake; the checks show its effects only.
 
     `seen(trials, failed)` of an exercise's `causes.py` returns it, or None. It says what was seen
     and when, with every seed.
@@ -57,7 +57,7 @@ def fail(
     where: str = "",
     title: str = "",
 ) -> NoReturn:
-    """Fail the check: raise CheckFailed with what its fields say."""
+    """Fail the check: raise CheckFailed with these fields."""
     when, name = None if at is None else float(at), recording.name if recording else None
     raise CheckFailed(message, expected, actual, when, name, help, where, title)
 

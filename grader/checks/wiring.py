@@ -137,7 +137,7 @@ def _time_of_end(recording: Recording) -> float:
 
 
 def _last_delivery(recording: Recording, topic: str) -> str:
-    """Return the last message that the node was sent, on this topic if there is one, in words."""
+    """Describe the last message sent to the node, on this topic if the topic had any."""
     if not recording.delivered:
         return ""
     on_topic = [message for message in recording.delivered if message.topic == topic]
@@ -181,7 +181,7 @@ def _require_end(recording: Recording, wanted: Wanted) -> None:
 
 
 def _fail_missing(recording: Recording, wanted: Wanted, every: list[Endpoint]) -> NoReturn:
-    """Fail with the end that may have been meant, if there is one."""
+    """Fail for a missing endpoint; name the endpoint that may have been meant."""
     kind, name = KINDS[wanted.direction], wanted.name
     ends = [end for end in every if end.kind == kind]
     near = difflib.get_close_matches(name, [end.topic for end in ends], n=1, cutoff=0.5)

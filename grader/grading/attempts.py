@@ -63,7 +63,7 @@ def attempts() -> dict[tuple[str, Path], Passed]:
 
 
 def since_last(grading: Grading, file: Path) -> str:
-    """Return what changed since `file` was graded last, and remember how it is now.
+    """Return what changed after the last grading of `file`, and remember this grading.
 
     "+20: stop_zone, slow_zone"; "" if nothing did, or if this is the first time. Checks that could
     not be judged, now or then, are left out.
@@ -134,7 +134,7 @@ def _write(path: Path, attempts: dict[str, Passed]) -> None:
 
 
 def replace(path: Path, content: bytes) -> None:
-    """Write a small file in place of what is there; its folder is made.
+    """Write a small file, replacing any; make its folder.
 
     Raises
     ------

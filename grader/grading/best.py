@@ -27,14 +27,14 @@ DRIVE = 0.5  # [m] less than this is no drive
 
 
 class Drive(NamedTuple):
-    """What a drive was like."""
+    """The figures of a drive."""
 
     time: float  # [s] until the robot stood for good, or the run was over
     kept: float  # [m] from everything
     jolt: float  # [m/s²] mean change of speed
 
     def better(self, other: Drive) -> Drive:
-        """Return the better one of each."""
+        """Return the better of each figure."""
         return Drive(
             min(self.time, other.time), max(self.kept, other.kept), min(self.jolt, other.jolt)
         )
@@ -44,7 +44,7 @@ class Drive(NamedTuple):
 
 
 def drive_in(recording: Recording) -> Drive | None:
-    """Return what the drive was like; None if the robot hardly moved or touched something."""
+    """Return a drive's figures; None if the robot hardly moved or touched something."""
     truth = recording.truth
     moving = np.flatnonzero(np.abs(truth.v) > MOVES)
     way = float(np.hypot(np.diff(truth.x), np.diff(truth.y)).sum())

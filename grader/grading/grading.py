@@ -116,7 +116,7 @@ class Grading:
         return any(check.outcome in (ERROR, INCONCLUSIVE) for check in self.checks)
 
     def notes(self) -> list[str]:
-        """Return what else a reader of the score should know, one sentence each."""
+        """Return notes on the score, a sentence each."""
         told = self._praise()
         told += [_sentence(self.practice) + "."] if self.practice else []
         told += [f"{_sentence(fault)}. The score is provisional." for fault in self.faults]
@@ -132,7 +132,7 @@ class Grading:
         ]
 
     def _praise(self) -> list[str]:
-        """Return what was good of a program with all points, and what a reader would remark."""
+        """Return the praise of a program with all points, and remarks on it."""
         if not self.whole or not self.recordings:
             return []
         return [praise_of(self.recordings), *remarks_on(self.recordings)]
@@ -222,14 +222,14 @@ def grade(
 
 
 def _place(check: CheckResult) -> tuple[bool, float]:
-    """Return where a check is shown: by the README's tasks, those about all tasks after them."""
+    """Return a check's place in the list: by the README's tasks, then checks of all tasks."""
     return check.kind == "field", check.task or math.inf
 
 
 def _cause(
     exercise: Exercise, checks: Sequence[CheckResult], recordings: Sequence[Recording]
 ) -> Cause | None:
-    """Return the cause of what failed; whatever goes wrong in finding it costs nobody a grading."""
+    """Return the cause of the failures; an error in the search for it leaves the grading whole."""
     try:
         return find_cause(exercise, [c for c in checks if c.outcome == FAIL], recordings)
     except Exception:
@@ -237,7 +237,7 @@ def _cause(
 
 
 def _helped(check: CheckResult, cause: Cause | None) -> CheckResult:
-    """Return the check without its own help where the cause explains more than it could know."""
+    """Return the check without its own help where the cause explains more."""
     if cause is None or check.id not in cause.explains:
         return check
     return replace(check, help=SEE_CAUSE)

@@ -14,7 +14,7 @@ from grader.checks.verdict import Inconclusive
 
 @contextlib.contextmanager
 def cpu_limit(seconds: float) -> Iterator[None]:
-    """Raise in a block that takes more CPU time of this process than this [s].
+    """Raise in a block that takes more CPU time of this process than a limit [s].
 
     Only the main thread of a POSIX system can be interrupted; elsewhere there is no limit.
 

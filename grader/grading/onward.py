@@ -16,7 +16,7 @@ BEST = "Your best drives: time, distance kept, mean change of speed. Can you bea
 
 
 def onward(exercise: Exercise | None = None) -> list[str]:
-    """Return what to do, in lines, commands indented; of an exercise, or of the one graded last."""
+    """Return the next steps, in lines, commands indented; of an exercise, or of the last graded."""
     every = all_exercises()
     known = {each.slug: each for each in every if exercise in (None, each)}
     graded = [(known[slug], file) for slug, file in attempts() if slug in known and file.exists()]
@@ -72,7 +72,7 @@ def _another(every: Sequence[Exercise], now: Exercise) -> list[str]:
 
 
 def shown(file: Path) -> str:
-    """Return a path as short as it can be typed from here."""
+    """Return the shortest form of a path from the current folder."""
     here = Path.cwd()
     shown = str(file.relative_to(here)) if file.is_relative_to(here) else str(file)
     return f'"{shown}"' if " " in shown else shown

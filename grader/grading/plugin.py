@@ -107,7 +107,7 @@ class CheckPlugin:
         self._on_progress = on_progress
         self._checks: dict[str, Check] = {}  # by node id
         self._lacks: dict[str, str] = {}  # by check id: the libraries that are not installed
-        self._died: set[str] = set()  # checks that failed since the node died of one message
+        self._died: set[str] = set()  # checks that failed because a message killed the node
         self._spared: set[str] = set()  # checks not judged since the grader failed in a trial
         self.results: dict[str, CheckResult] = {}  # by check id
         self.fault: Exception | None = None  # why the checks could not be collected
@@ -147,7 +147,7 @@ class CheckPlugin:
         return tuple(self._trials.get(name) for name in check.scenarios)
 
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
-        """Skip a check if one that it needs did not pass; field checks need all of the core."""
+        """Skip a check if a check it needs did not pass; field checks need all core checks."""
         check = self._checks[item.nodeid]
         if self._lacks[check.id]:
             raise _Unavailable(self._lacks[check.id])
@@ -171,7 +171,7 @@ class CheckPlugin:
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> Generator[None, Any, None]:
-        """Judge, but not for ever: what a node said may be made to keep the judge busy."""
+        """Judge, within a limit: a node's messages may be made to keep the judge busy."""
         with cpu_limit(MOST_CPU):
             yield
 
@@ -252,7 +252,7 @@ class CheckPlugin:
 
 
 class _Unmet(Exception):
-    """A check that this one needs did not pass."""
+    """A check that another check needs did not pass."""
 
 
 class _Unavailable(Exception):
@@ -297,7 +297,7 @@ def _read_check(item: pytest.Item) -> Check:
 
 
 def _died_of_one(check: Check, error: BaseException) -> bool:
-    """Return whether a first check fails since the node, which ran, died of one message."""
+    """Return whether this root check failed because a message killed the node."""
     return isinstance(error, CheckFailed) and bool(error.title) and not check.needs
 
 

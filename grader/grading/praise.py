@@ -40,7 +40,7 @@ def praise_of(recordings: Sequence[Recording]) -> str:
 
 
 def remarks_on(recordings: Sequence[Recording]) -> Iterator[str]:
-    """Yield what a reader of the program would remark, a sentence each."""
+    """Yield remarks on the program, a sentence each."""
     notes = (note for recording in recordings for note in recording.notes)
     for note in dict.fromkeys(Note(n.kind, n.about, n.line) for n in notes if n.kind == "imports"):
         yield f"{note.line} imports {note.about} and never uses it."

@@ -27,7 +27,7 @@ for thread in threads: thread.start()
 
 
 def why_none_runs() -> str:
-    """Return why not even a skeleton runs here; "" if one does."""
+    """Return why not even a skeleton runs here; "" if a skeleton runs."""
     exercise = all_exercises()[0]
     files = {name: (exercise.folder / name).read_bytes() for name in exercise.files}
     try:

@@ -20,7 +20,7 @@ from grader.grading.causes.cause import ByName, Cause, Failed
 from grader.recording import Recording
 from sim.messages import CMD_VEL_TOPIC
 
-LEAST = 6  # occasions, to see what they have in common
+MIN_CASES = 6  # to see what they have in common
 TELLING = 3  # of them, where the explanation and the contract differ
 MOST_LATE = 10  # scans
 NEAR = 2e-3  # [m/s] and the like
@@ -37,12 +37,12 @@ class Row(NamedTuple):
 
 
 def cause_of_answers(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
-    """Return what all answers of the run that failed first have in common."""
+    """Return the cause that all answers of the first failed run have in common."""
     recording = trials.get(failed[0].scenario or "")
     if recording is None or not recording.outcome.completed or recording.live is not None:
         return None
     if text := publishers_of(recording):
-        return Cause.of(exercise, text, failed, all_of_it=True, own_hint=False)
+        return Cause.of(exercise, text, failed, replaces_help=True, own_hint=False)
     if failed[0].kind == "field":  # the core passes: not the answers' law is wrong
         return None
     try:
@@ -50,14 +50,14 @@ def cause_of_answers(exercise: Exercise, failed: Sequence[Failed], trials: ByNam
     except Exception:  # what the node sent can't be read: the check says so
         return None
     text = seen_in(cases, recording.name)
-    return Cause.of(exercise, text, failed, all_of_it=True, own_hint=False) if text else None
+    return Cause.of(exercise, text, failed, replaces_help=True, own_hint=False) if text else None
 
 
 def seen_in(cases: Sequence[Case], run: str) -> str:
-    """Return what all answers have in common, in a sentence; "" if they have not."""
+    """Say in a sentence what all answers have in common; "" if nothing."""
     name, rows = _rows(cases)
     wrong = [row for row in rows if not _fits(row, row.case)]
-    if len(rows) < LEAST:
+    if len(rows) < MIN_CASES:
         return ""
     if not wrong:
         return _silent(rows, run)
@@ -91,7 +91,7 @@ def _rows(cases: Sequence[Case]) -> tuple[str, list[Row]]:
 
 
 def _fits(row: Row, case: Case) -> bool:
-    """Return whether an answer is one that an occasion asks for."""
+    """Return whether an answer is allowed in a case."""
     return among(row.said, next(iter(case.allowed.values())), NEAR)
 
 
@@ -100,7 +100,7 @@ def _late(rows: Sequence[Row]) -> str:
     for late in range(1, MOST_LATE + 1):
         pairs = [(row, before.case) for before, row in zip(rows, rows[late:], strict=False)]
         pairs = [(row, case) for row, case in pairs if not math.isnan(row.said)]
-        if len(pairs) < LEAST or not all(_fits(row, case) for row, case in pairs):
+        if len(pairs) < MIN_CASES or not all(_fits(row, case) for row, case in pairs):
             continue
         first = next((row for row, _ in pairs if not _fits(row, row.case)), None)
         if first is None or sum(not _fits(row, row.case) for row, _ in pairs) < TELLING:
@@ -117,7 +117,7 @@ def _late(rows: Sequence[Row]) -> str:
 
 
 def _silent(rows: Sequence[Row], run: str) -> str:
-    """Right, but said only where it changes."""
+    """Right answers, but only where they change."""
     mute = [i for i, row in enumerate(rows) if row.case.count == 0]
     spoken = [i for i, row in enumerate(rows) if row.case.count == 1]
     if len(mute) < TELLING or len(mute) + len(spoken) < len(rows) or 0 in mute:
@@ -137,7 +137,7 @@ def _cut(rows: Sequence[Row]) -> str:
     known = [row for row in rows if not math.isnan(row.right)]
     telling = [row for row in known if abs(row.right - math.trunc(row.right)) > NEAR]
     values = {round(row.right, 3) for row in telling}
-    if len(telling) < LEAST or len(values) < TELLING:
+    if len(telling) < MIN_CASES or len(values) < TELLING:
         return ""
     if not all(abs(row.said - math.trunc(row.right)) <= NEAR for row in known):
         return ""
@@ -170,7 +170,7 @@ def _kept(rows: Sequence[Row]) -> str:
 
 
 def _median(rows: Sequence[Row]) -> str:
-    """The median of what the last scans ask for."""
+    """The median of the last scans' right answers."""
     for length in LENGTHS:
         pairs = [
             (row, sorted(each.right for each in rows[i - length + 1 : i + 1])[length // 2])
@@ -178,7 +178,7 @@ def _median(rows: Sequence[Row]) -> str:
             if i >= length - 1
             and not any(math.isnan(r.right) for r in rows[i - length + 1 : i + 1])
         ]
-        if len(pairs) >= LEAST and all(abs(row.said - middle) <= NEAR for row, middle in pairs):
+        if len(pairs) >= MIN_CASES and all(abs(row.said - middle) <= NEAR for row, middle in pairs):
             wrong = [row for row, _ in pairs if not _fits(row, row.case)]
             if len(wrong) < TELLING:
                 return ""

@@ -58,7 +58,7 @@ class Hint(msgspec.Struct, frozen=True):
 
 
 class Cause(msgspec.Struct, frozen=True):
-    """What was seen, and what to ask of the code."""
+    """The mistake that recordings show, and a hint on the code."""
 
     text: str
     kind: str  # core or field, of the checks that it explains
@@ -76,12 +76,12 @@ class Cause(msgspec.Struct, frozen=True):
         *,
         where: str = "",
         hint: Hint | None = None,
-        all_of_it: bool = False,
+        replaces_help: bool = False,
         own_hint: bool = True,
     ) -> Cause:
-        """Return the cause of some failed checks; `all_of_it`: their own help leads elsewhere.
+        """Return the cause of some failed checks; `replaces_help`: hide the checks' own help.
 
-        `own_hint`: without a hint it is the first failed check's.
+        `own_hint`: without a hint, take the hint of the first failed check.
         """
         return cls(
             f"{text[0].upper()}{text[1:]}"
@@ -90,7 +90,7 @@ class Cause(msgspec.Struct, frozen=True):
             failed[0].kind,
             where,
             hint or (hint_for(exercise, failed) if own_hint else None),
-            tuple(check.id for check in failed) if all_of_it else (),
+            tuple(check.id for check in failed) if replaces_help else (),
             failed[0].id,
         )
 

@@ -23,7 +23,7 @@ ACTS = ("one_command_per_scan", "only_linear_x", "control_rate", "control_period
 DENORMAL = 1e-300  # [m/s] an int's or a np.float32's memory, read as a double
 STEADY = 0.01  # of a period
 FEW = 3  # commands, to see a period
-LEAST = 6  # predictions, to see that they differ
+MIN_PREDICTIONS = 6  # to see that they differ
 APART = 0.1  # [m/s]
 FAR = 1.5  # [m]
 QUOTED = 160  # [characters] of the log, beside which there are words
@@ -74,7 +74,7 @@ def cause_of_standing(_: Exercise, failed: Sequence[Failed], trials: ByName) -> 
 
 
 def _cause(text: str, failed: Sequence[Failed], hint: Hint | None = None) -> Cause:
-    """Return a cause of all that failed, whose hints are about something else."""
+    """Return a cause of all failed checks, whose own hints lead elsewhere."""
     said = f"{text[0].upper()}{text[1:]}"
     explains = tuple(check.id for check in failed)
     return Cause(said, failed[0].kind, hint=hint, explains=explains, check=failed[0].id)
@@ -106,7 +106,7 @@ def _free(recording: Recording) -> str:
     """Say that a node stands that sees a free way."""
     ahead = [front_distance(scan) for scan in recording.scans()]
     far = sum(distance is not None and distance > FAR for distance in ahead)
-    if far < LEAST:
+    if far < MIN_PREDICTIONS:
         return ""
     return (
         f"{far} of the {len(ahead)} scans have readings ahead, and none nearer than {FAR:g} m. "
@@ -119,7 +119,7 @@ def _unmoved(recording: Recording) -> str:
     """One speed for all predictions."""
     speeds = recording.twists().linear_x
     said = [each.said[0] for each in recording.inferences if not each.is_load and each.said]
-    if len(said) < LEAST or np.ptp(speeds) > ZERO or not np.ptp(said) > APART:
+    if len(said) < MIN_PREDICTIONS or np.ptp(speeds) > ZERO or not np.ptp(said) > APART:
         return ""
     return (
         f"every command is {speeds[0]:.2f} m/s, and the model says {min(said):.2f} to "
@@ -140,7 +140,7 @@ def _cut(trials: ByName) -> str:
                 pairs.append((each.said[0], float(commands.linear_x[at])))
     telling = [said for said, speed in pairs if SLOW < said < 1.0 and abs(speed) <= ZERO]
     kept = [said for said, speed in pairs if SLOW < said < 1.0 and abs(speed) > ZERO]
-    if len(telling) < LEAST or kept or np.ptp(telling) <= APART:
+    if len(telling) < MIN_PREDICTIONS or kept or np.ptp(telling) <= APART:
         return ""
     return (
         f"the model says {min(telling):.2f} to {max(telling):.2f} m/s, and each of these "
@@ -177,7 +177,7 @@ def _garbage(_: Exercise, ran: Sequence[Recording]) -> str:
 
 
 def _other_field(_: Exercise, ran: Sequence[Recording]) -> str:
-    """What belongs in one field stands in another one, of the same vector."""
+    """The value of a field stands in another field of the same vector."""
     used = np.abs(np.nan_to_num(_values(ran))).max(axis=0, initial=0) > ZERO
     for own in ROBOTS_OWN:
         vector = range(own - own % 3, own - own % 3 + 3)

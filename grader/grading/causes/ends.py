@@ -12,7 +12,7 @@ WIRED = "wiring"  # in the names of the checks that every other one needs
 
 
 def cause_of_end(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
-    """Return why the first node that did not run to the end didn't; or what is not wired."""
+    """Return why the first node that ended early did so; or the endpoint that is not wired."""
     for check in failed:
         recording = trials.get(check.scenario or "")
         if recording is not None and not recording.outcome.completed and check.where:

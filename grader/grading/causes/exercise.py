@@ -11,7 +11,7 @@ from grader.grading.causes.cause import ByName, Cause, Failed, hint_at, place_of
 
 
 def cause_of_exercise(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
-    """Return what the exercise's own look finds."""
+    """Return the cause that the exercise's own `causes.py` finds."""
     if not (exercise.judge / "causes.py").is_file():
         return None
     module = importlib.import_module(f"grader.exercises.{exercise.slug}.causes")
@@ -21,5 +21,5 @@ def cause_of_exercise(exercise: Exercise, failed: Sequence[Failed], trials: ByNa
     explained = [check for check in failed if check.id in found.explains]
     hint = hint_at(exercise, place_of(found.hint)) if found.hint else None
     return Cause.of(
-        exercise, found.text, explained or failed[:1], hint=hint, all_of_it=True, own_hint=False
+        exercise, found.text, explained or failed[:1], hint=hint, replaces_help=True, own_hint=False
     )

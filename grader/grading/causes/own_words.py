@@ -32,9 +32,9 @@ SHAPE = re.compile(r"shape|rank|dimension|2D array|1D array|features|reshape|not
 
 
 def slip_in_file(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
-    """Return the first line of the program that can't mean what it says, as its host saw it.
+    """Return the first slip in the program's source, as its host saw it.
 
-    Where the node died, only if it is one of the lines of which it died, or what they call.
+    Of a node that died, only a slip in its traceback, or in a function called there.
     """
     log = (line for recording in trials.values() for line in recording.log)
     said = (line.text for line in log if line.level == "stderr")
@@ -73,7 +73,7 @@ def logged_error(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
 
 
 def _is_slip(text: str) -> bool:
-    """Return whether an error that is logged again and again is one of those that slips lead to."""
+    """Return whether an error that is logged again and again comes from a slip."""
     if "ValueError" in text:
         return SHAPE.search(text) is not None
     return MANY_THINGS.search(text) is None or plain_words_on(text) != ""

@@ -40,7 +40,7 @@ def kept_waiting(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
                 "by an early `return`, or does it wait for something that only another callback "
                 "could bring?"
             )
-            return Cause.of(exercise, text, failed, where=where, all_of_it=True, own_hint=False)
+            return Cause.of(exercise, text, failed, where=where, replaces_help=True, own_hint=False)
         late = every is not None and lasted > float(every[1]) / 1000
         if late and note.kind == "lasts" and "timer" in note.more:
             text = f"{note.about} takes {lasted:.2f} s, as at {since:.2f} s, and " + (
@@ -51,17 +51,17 @@ def kept_waiting(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
                 "are of different callback groups, and the executor that spins the node has two "
                 "threads."
             )
-            return Cause.of(exercise, text, failed, where=where, all_of_it=True, own_hint=False)
+            return Cause.of(exercise, text, failed, where=where, replaces_help=True, own_hint=False)
     return None
 
 
 def cause_of_rhythm(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
-    """Return what the node does all the time, if that explains the first failure."""
+    """Return a habit of the node's whole run that explains the first failure."""
     recording = trials.get(failed[0].scenario or "")
     if recording is None or not recording.outcome.completed:
         return None
     if text := _burst(recording):
-        return Cause.of(exercise, text, failed, all_of_it=True)
+        return Cause.of(exercise, text, failed, replaces_help=True)
     if failed[0].id in SILENT and (text := _at_start(recording)):
         return Cause.of(exercise, text, failed[:1])
     if failed[0].id == ONCE and (text := _not_once(recording)):
@@ -87,7 +87,7 @@ def _burst(recording: Recording) -> str:
 
 
 def _at_start(recording: Recording) -> str:
-    """One command before anything came."""
+    """One command before the first message."""
     first = min((m.time for m in recording.delivered), default=0)
     early = [m for m in recording.published if m.topic == CMD_VEL_TOPIC and m.time < first]
     if len(early) != 1 or early[0].time or recording.live is not None:

@@ -25,9 +25,9 @@ AT_ONCE = 0.05  # [s]
 MAX_LINE = 160  # [characters]
 TOLERANCE = 0.01  # of a factor
 NEAR = 2e-3  # [m/s] and the like
-LEAST = 6  # answers
+MIN_ANSWERS = 6
 FEW = 3  # checks
-MOST = 0.9  # of the wrong ones
+WRONG_SHARE = 0.9  # of the wrong answers
 NUMBER = re.compile(r"([\w.]+) = (-?\d+(?:\.\d+)?)(?![\w.])(?! [^ ]+ or| or| to)")
 TOPIC = re.compile(r"/(\w+)")
 MODEL = {  # how it was asked: what is said of it
@@ -56,18 +56,18 @@ class _Row(NamedTuple):
 def cause_of_several(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -> Cause | None:
     """Return what the checks of several tasks that fail on one field of the answers show."""
     if text := _signs(failed):
-        return Cause.of(exercise, text, failed, all_of_it=True, own_hint=False)
+        return Cause.of(exercise, text, failed, replaces_help=True, own_hint=False)
     field = asked(failed[0])
     same = [check for check in failed if field and asked(check) == field]
     if text := _units(exercise, failed[0], field, trials):
-        return Cause.of(exercise, text, same, all_of_it=True)
+        return Cause.of(exercise, text, same, replaces_help=True)
     names = {field, *TOPIC.findall(failed[0].message)}
     named = [c for c in failed if same and {c.id, c.id.removesuffix("s")} & names]
     if named and failed[0] not in named:
         check = named[0]
         return Cause.of(
             exercise, sentences(check.message, check.help), [check, *same],
-            hint=hint_for(exercise, [check]), all_of_it=True,
+            hint=hint_for(exercise, [check]), replaces_help=True,
         )  # fmt: skip
     if named or len(same) < FEW or len({check.task for check in same}) < 2:
         return None  # of two, each may have a mistake of its own: their own helps stand
@@ -81,17 +81,17 @@ def cause_of_several(exercise: Exercise, failed: Sequence[Failed], trials: ByNam
         except Exception:  # what the node sent can't be read: the check says so
             continue
     text = in_common(rows, field, reason_in(log, failed[0].time))
-    return Cause.of(exercise, text, same, all_of_it=True, own_hint=False) if text else None
+    return Cause.of(exercise, text, same, replaces_help=True, own_hint=False) if text else None
 
 
 def asked(check: Failed) -> str:
-    """Return the field whose answer a check found wrong; "" if it asks something else."""
+    """Return the field whose answer a check found wrong; "" if the check is not about answers."""
     field, equals, _ = check.expected.partition(" = ")
     return field if equals else ""
 
 
 def reason_in(log: Sequence[LogLine], time: float | None) -> str:
-    """Return what the node warned of when a check failed; "" if of nothing."""
+    """Return the node's warning at a failed check; "" if there is none."""
     for line in log:
         at = time is not None and abs(line.t - time) <= AT_ONCE
         if at and line.level in ("warn", "error", "fatal"):
@@ -105,11 +105,11 @@ def in_common(rows: Sequence[_Row], field: str, reason: str = "") -> str:
     `reason`: what the node's log says at the first of them.
     """
     wrong = [row for row in rows if row.wrong]
-    if len(rows) < LEAST or not wrong:
+    if len(rows) < MIN_ANSWERS or not wrong:
         return ""
     asked_of_model = Counter(str(row.case.said.get(PREDICT, CALLED)) for row in wrong)
     how, often = asked_of_model.most_common(1)[0]
-    if how != CALLED and often >= MOST * len(wrong):
+    if how != CALLED and often >= WRONG_SHARE * len(wrong):
         return (
             f"{len(wrong)} of {len(rows)} answers are wrong, and for {often} of these the model is "
             f"{MODEL[how]}"
@@ -167,7 +167,7 @@ def _scaled(rows: Sequence[_Row], field: str) -> str:
     """Say that all answers are wrong by one factor."""
     telling = [row for row in rows if abs(row.right) > TOLERANCE and isinstance(row.said, float)]
     factors = [row.said / row.right for row in telling if isinstance(row.said, float)]
-    if len(factors) < LEAST or len({round(row.right, 2) for row in telling}) < 3:
+    if len(factors) < MIN_ANSWERS or len({round(row.right, 2) for row in telling}) < 3:
         return ""
     least, most = min(factors), max(factors)
     if not most - least <= TOLERANCE * abs(most) or abs(most - 1.0) <= TOLERANCE:
