@@ -65,7 +65,7 @@ MAX_DOCUMENT = 16 * MIB  # [bytes] of JSON; what is made of it takes many times 
 
 
 class _Document(msgspec.Struct, frozen=True):
-    """What is saved beside the messages."""
+    """The data saved beside the messages."""
 
     format: int
     scenario: str
@@ -178,7 +178,7 @@ class _Opened:
 
 
 def _lacking(path: Path, messages: list[Message]) -> str:
-    """Say what a bag of another recorder has, and what it lacks for a judgement."""
+    """Say what a bag of another recorder holds, and what it lacks for grading."""
     counts = Counter(_printable(message.topic) for message in messages)
     shown = [f"{topic} ({count})" for topic, count in sorted(counts.items())[:MAX_TOPICS]]
     more = f" and {len(counts) - len(shown)} more" if len(counts) > len(shown) else ""
@@ -233,7 +233,7 @@ def _clear(folder: Path) -> None:
 
 
 def _is_bag(folder: Path) -> bool:
-    """Return whether the folder holds a bag and nothing else that somebody may miss."""
+    """Return whether the folder holds a bag and nothing else, so that it may be replaced."""
     if folder.is_symlink() or not (folder / METADATA).is_file():
         return False
     return all(file.name == METADATA or file.suffix == ".mcap" for file in folder.iterdir())

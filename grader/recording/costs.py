@@ -34,7 +34,7 @@ class Costs:
 
 
 def costs_of(recording: Recording) -> Costs | None:
-    """Return what computing cost in a trial; None if the node got no message.
+    """Return the cost of computing in a trial; None if the node got no message.
 
     A wait is no computing, and neither is what other programs on the machine took from the node:
     the smaller one of wall time and CPU time counts.

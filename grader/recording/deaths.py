@@ -17,7 +17,7 @@ FRAME = re.compile(r"(?P<file>[^/\n]{1,100}), line (?P<line>\d{1,6}), in (?P<fun
 
 @dataclass(frozen=True)
 class Frame:
-    """One of the student's lines that was being run."""
+    """A line of the student's in a traceback."""
 
     file: str
     line: int
@@ -33,7 +33,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Death:
-    """What is known of a death; innermost frame first."""
+    """A node's death by an exception; innermost frame first."""
 
     place: str  # "the callback of /scan", "a timer (0.1 s)", "the constructor", "the start-up"
     frames: tuple[Frame, ...]
@@ -43,18 +43,18 @@ class Death:
 
     @property
     def in_callback(self) -> bool:
-        """It had been spinning."""
+        """Whether the node died in a callback."""
         return self.place not in ("the constructor", "the start-up", "the script", "")
 
     @property
     def topic(self) -> str:
-        """The topic in whose callback it died; "" if it was another."""
+        """The topic in whose callback the node died; "" if in another callback."""
         before, _, topic = self.place.partition("the callback of ")
         return "" if before else topic
 
 
 def death_of(detail: str) -> Death | None:
-    """Return what an outcome's detail tells; None if it is not told that way."""
+    """Return the death that an outcome's detail describes; None if there is none."""
     lines = [line[:MAX_LINE] for line in detail.partition("\n\n")[0].splitlines()[:MAX_LINES]]
     if not lines or not lines[0].startswith("in "):
         return None

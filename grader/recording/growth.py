@@ -16,7 +16,7 @@ from grader.recording.recording import Endpoint, Recording
 from grader.recording.views import Floats
 from rclpy_virtual_time.host.frames import Note
 
-PARTS, LEAST = 5, 40  # of a trial, and messages in each part
+PARTS, MIN_MESSAGES = 5, 40  # of a trial, and messages in each part
 TIMES, RISE = 2.0, 0.001  # [s] so much more in the last part is no noise of the machine
 STEADY = -0.1, 0.6  # of the rise, at least and at most, from each part to the next
 ENDS = 10  # of one kind on one topic; more than anybody needs
@@ -39,7 +39,7 @@ def rise_of(times: Floats, costs: Floats) -> Rise | None:
     The cheapest tenth of a part is what the node needs, whatever else the machine did meanwhile;
     it has to rise from part to part, and not at once.
     """
-    if len(costs) < PARTS * LEAST:
+    if len(costs) < PARTS * MIN_MESSAGES:
         return None
     parts = np.array_split(costs, PARTS)
     low = np.array([np.percentile(part, 10) for part in parts])
@@ -68,7 +68,7 @@ def made_again(recording: Recording) -> list[tuple[Endpoint, str]]:
 
 
 def _said(note: Note, recording: Recording) -> str:
-    """Put a note of the host's in words; empty if it is not worth any."""
+    """Put a note of the host's in words; empty if the note is not worth showing."""
     at, lasted, more = note.time / 1e9, note.lasted / 1e9, note.more
     place, many = f"{note.about} ({note.line})", note.count
     long = lasted > lidar_period(recording)
@@ -145,7 +145,7 @@ def ended_of(recording: Recording) -> list[str]:
 
 
 def noted_of(recording: Recording, *, models: bool = True) -> list[str]:
-    """Say what the host noted in a trial, a sentence each.
+    """Return the host's notes on a trial, a sentence each.
 
     `models`: also of callbacks that took long because the scenario's model did.
     """

@@ -10,7 +10,7 @@ import msgspec
 
 
 class Inference(msgspec.Struct, frozen=True):
-    """One load of a model, or one question to it; or one request of a service."""
+    """A load of a model, a question to a model, or a request of a service."""
 
     method: str  # load, predict or predict_proba; request or answer
     file: str  # of the model, or the service

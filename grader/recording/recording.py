@@ -85,13 +85,13 @@ class Endpoint(msgspec.Struct, frozen=True):
 
     @property
     def matched(self) -> bool:
-        """It can talk to the robot's end of the topic (or the robot has none)."""
+        """Whether the endpoint can talk to the robot's on its topic (or the robot has none)."""
         return not self.mismatch
 
 
 @dataclass(frozen=True)
 class Compute:
-    """What each exchange with the host cost; measured by the judge, different on each machine."""
+    """The cost of each exchange with the host; measured by the judge, different on each machine."""
 
     time: Floats  # (n,) [s] scenario time at which it began
     wall: Floats  # (n,) [s]
@@ -111,9 +111,9 @@ class Live(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True)
 class Ending:
-    """What came of the SIGINT that a person would send when the scenario was over.
+    """The node's reaction to SIGINT at the end of the scenario, as on Ctrl-C.
 
-    No check sees it. The outcome's kind is `running` if the program had not ended after a second.
+    No check sees this. The outcome's kind is `running` if the program had not ended after a second.
     """
 
     outcome: Outcome
@@ -122,7 +122,7 @@ class Ending:
 
     @property
     def problem(self) -> str:
-        """What a person would have to mend, in one line; empty if the program ended as it should.
+        """The defect to repair, in one line; empty if the program ended as it should.
 
         Ending with a KeyboardInterrupt is what Python does.
         """
@@ -191,7 +191,7 @@ class Recording:
         return self.waited(begin, end) + (self.live.lateness if self.live else 0.0)
 
     def waited(self, begin: float, end: float) -> float:
-        """Return the longest that the node had to wait for a CPU between two moments [s].
+        """Return the node's longest wait for a CPU between two moments [s].
 
         0 in virtual time. `slack` is the worst of the whole trial; this is the worst of one span,
         for limits that would become too generous with it.
@@ -242,7 +242,7 @@ class Recording:
 
     @cached_property
     def judged(self) -> dict[Any, Any]:
-        """What oracles say of it, each once for all checks."""
+        """The oracles' results for this recording, each computed once for all checks."""
         return {}
 
     def digest(self) -> str:

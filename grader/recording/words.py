@@ -13,7 +13,7 @@ from rclpy_virtual_time.link.log import LogLine
 from sim.messages import decode
 
 BEFORE, AFTER = 1.0, 0.05  # [s] around the moment
-MOST = 3  # lines
+MAX_LINES = 3
 MAX_TEXT = 300  # [characters] of one
 # the stacks of a node that hangs, for which the judge asked; and what a library grumbles
 NOISE = re.compile(
@@ -25,13 +25,13 @@ DIAGNOSTICS, DIAGNOSTIC_ARRAY = "/diagnostics", "diagnostic_msgs/msg/DiagnosticA
 
 
 def words_of(recording: Recording, moment: float | None) -> list[str]:
-    """Return what the node said around a moment [s]; of a whole run its last warnings."""
+    """Return the node's log around a moment [s]; of a whole run, its last warnings."""
     said = [line for line in recording.log if not NOISE.match(line.text)]
     if moment is None:
-        return [_told(line) for line in said if line.level in URGENT][-MOST:]
+        return [_told(line) for line in said if line.level in URGENT][-MAX_LINES:]
     near = [line for line in said if moment - BEFORE <= line.t <= moment + AFTER]
     urgent = [line for line in near if line.level in URGENT]
-    told = [_told(line) for line in (_different(urgent) or near)[-MOST:]]
+    told = [_told(line) for line in (_different(urgent) or near)[-MAX_LINES:]]
     return told + _diagnostics(recording, moment)
 
 

@@ -28,7 +28,7 @@ NEVER_SPUN = "the program runs, but its node never spins"
 
 
 def not_runnable(submission: Submission, scenario: Scenario) -> Outcome | None:
-    """Return why a submission can't be run in a scenario; None if it can."""
+    """Return why a submission can't run in a scenario; None if there is no reason."""
     if submission.problem:
         return Outcome("unreadable", submission.problem)
     if missing := missing_file(scenario, submission):
@@ -64,7 +64,7 @@ def misbehaviour(error: HostForged | Flood | Excess | TooManyQuestions) -> tuple
 
 
 def died_text(status: str) -> str:
-    """Say how a process ended that said nothing, by its exit status."""
+    """Say by its exit status how a silent process ended."""
     return f"the node's process ended by itself ({status_text(status)})"
 
 

@@ -8,18 +8,18 @@ import os
 import threading
 from collections.abc import Iterator
 
-MOST = 64  # trials at once: more than ever run
+MAX_TRIALS = 64  # at once: more than ever run
 
 
 class TrialLock:
-    """Trials hold it together; one that was disturbed holds it alone, and nobody overtakes it.
+    """A lock that trials share; a disturbed trial holds it alone, and no trial overtakes that.
 
     On a shared network a node could drive the robot of another student's trial. There, trials of
     one process run at a time: it holds this file, which no host can open.
     """
 
     def __init__(self) -> None:
-        self._places = threading.Semaphore(MOST)
+        self._places = threading.Semaphore(MAX_TRIALS)
         self.entering = threading.Lock()
         self._leaving = threading.Lock()
         self._inside = 0
@@ -27,8 +27,8 @@ class TrialLock:
 
     @contextlib.contextmanager
     def held(self, *, alone: bool, shared_network: bool = False) -> Iterator[None]:
-        """Hold it with others, or alone."""
-        places = MOST if alone else 1
+        """Hold the lock with other trials, or alone."""
+        places = MAX_TRIALS if alone else 1
         with self.entering:
             for _ in range(places):
                 self._places.acquire()

@@ -45,9 +45,9 @@ def unpacked(submission: Submission, launcher: Launcher) -> Submission:
 
 
 def _launch_file(files: Mapping[str, Path], stem: str) -> str:
-    """Return the launch file that starts a package; "" if that isn't clear.
+    """Return a package's launch file; "" if none or several may be meant.
 
-    It is that with the node's name, or the only one that no other names, to include it.
+    That is the file with the node's name, or the only file that no other includes.
     """
     found = [name for name in files if name.endswith(LAUNCH)]
     short = {name: PurePosixPath(name).name for name in found}
@@ -119,7 +119,7 @@ def _executable(
     start: Path | None,
     installed: Mapping[str, Path],
 ) -> Executable:
-    """Return the program that is meant: the one named, the exercise's, or the only one.
+    """Return the program to start: the named program, the exercise's, or the only one.
 
     Raises LookupError: there is none.
     """
@@ -142,7 +142,7 @@ def _executable(
 def _no_program(
     error: LookupError, answer: PackageRead, launch: str, there: Collection[str]
 ) -> str:
-    """Say that what is to be started is not there, and what is."""
+    """Say that the program to start is missing, and which programs there are."""
     wanted = str(error.args[0])
     if wanted and wanted in (each.entry for each in answer.executables):
         said = f"the entry point {wanted} leads to no module that the package installs"

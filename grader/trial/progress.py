@@ -24,4 +24,4 @@ OnProgress = Callable[[Step], None]
 
 
 def ignore(step: Step) -> None:
-    """Report to nobody."""
+    """Report nothing."""

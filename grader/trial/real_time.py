@@ -233,7 +233,7 @@ class _LiveTrial:
         self._recorder.delivered += real
 
     def _take_heard(self) -> list[Command]:
-        """Note what was heard, with times since the scenario's start; none goes back in time."""
+        """Note the messages heard, at times from the scenario's start on that never go back."""
         last = self._recorder.published[-1].time if self._recorder.published else 0
         now = max(self.hosts.now(), last)
         timed = [

@@ -90,7 +90,7 @@ class LiveLink(Channel):
         self.descriptors = (host.link_in, host.stdout, host.stderr)
 
     def send(self, frame: ToHost) -> None:
-        """Send a frame; HostDied if nobody is there."""
+        """Send a frame; HostDied if the host has ended."""
         self._write(encode(frame), real_clock.perf_counter() + SEND_LIMIT)
 
     def hear(self) -> list[Any]:
@@ -110,7 +110,7 @@ class LiveLink(Channel):
         return frames
 
     def note_time(self, now: int) -> None:
-        """Say what time it is [ns]: output that comes from now on was said then."""
+        """Set the time [ns] of output from now on."""
         for output in (self.stdout, self.stderr):
             output.clock = now
 
@@ -131,11 +131,11 @@ class Program:
 
     @property
     def over(self) -> bool:
-        """It has ended, or hung up."""
+        """The program has ended, or hung up."""
         return self.ended is not None or self.link.gone
 
     def ready(self, now: float) -> bool:
-        """It spins, has ended, or sleeps so long that it won't spin any more."""
+        """The program spins, has ended, or sleeps too long to spin at all."""
         if self.over or self.pulse.spinning:
             return True
         cpu = self.link.cpu()
@@ -205,7 +205,7 @@ class LiveHosts:
         self.start_programs(0)
 
     def start_programs(self, now: int) -> None:
-        """Start what is to run by now [ns]."""
+        """Start the programs that are due [ns]."""
         while self._waiting and self._waiting[0].start <= now:
             program = self._waiting.pop(0)
             host = self._all.enter_context(
@@ -226,7 +226,7 @@ class LiveHosts:
                 queue.worst()  # what was until now is not the trial's
 
     def stop_programs(self, now: int) -> None:
-        """Kill what is not to run any more [ns]."""
+        """Kill the programs whose end is due [ns]."""
         for program in self.programs:
             if program.start.stop is not None and program.start.stop <= now:
                 program.host.kill()
@@ -346,7 +346,7 @@ class LiveHosts:
             raise GraderError(NO_RADIO)
 
     def _answer(self) -> None:
-        """Send the programs what their models say, when it is time."""
+        """Send the programs their models' answers, when these are due."""
         for program, told in self._models.due(real_clock.monotonic_ns()):
             with contextlib.suppress(HostDied, HostHung):
                 program.link.send(Answers((told,)))

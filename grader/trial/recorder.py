@@ -57,13 +57,13 @@ class Recorder:
         self._bytes = 0
 
     def note_endpoints(self, reports: Iterable[EndpointReport]) -> None:
-        """Note what the node has created."""
+        """Note the endpoints that the node has created."""
         self.endpoints += [Endpoint(*msgspec.structs.astuple(report)) for report in reports]
         if len(self.endpoints) > MAX_ENDPOINTS:
             raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
 
     def note(self, notes: Iterable[Note]) -> None:
-        """Keep what a person should know, the latest of each."""
+        """Keep notes for a person, the latest of each kind."""
         for note in notes:
             key = (note.kind, note.about, note.line)
             if key in self._notes or len(self._notes) < MAX_NOTES:
@@ -148,7 +148,7 @@ def _holds(note: Note, end: float) -> bool:
 
 
 def _command(message: Message, stamped: bool) -> Command | None:
-    """Return what the robot's motors make of a message, if it is for them."""
+    """Return the command for the robot's motors in a message, if it has one."""
     if message.topic != CMD_VEL_TOPIC:
         return None
     try:

@@ -78,7 +78,7 @@ def parameter_arguments(parameters: Mapping[str, str | bool | int | float]) -> l
 def _programs(
     scenario: Scenario, submission: Submission, folder: Path, arguments: Sequence[str]
 ) -> tuple[ProgramStart, ...]:
-    """Return what to run: the submission's own file, or what the scenario asks for."""
+    """Return the programs to run: the submission's own file, or the scenario's."""
     own = parameter_arguments(scenario.node.parameters)
     given = (*arguments, *own)
     for spec in scenario.program:
@@ -124,7 +124,7 @@ def _first(words: Sequence[str], program: Program, folder: Path) -> tuple[str, .
 
 
 def _ours(scenario: Scenario, files: Collection[str]) -> set[str]:
-    """Return the names of what the scenario lays into the folder, or says is not there."""
+    """Return the names of files that the scenario puts into the folder, or keeps out of it."""
     named = {value for value in scenario.node.parameters.values() if isinstance(value, str)}
     supplied = {spec.file for spec in scenario.program if spec.supplied}
     return {*named, *scenario.node.models, *supplied, *files}

@@ -122,7 +122,7 @@ def _is_usable(training: Training) -> bool:
 
 
 def _missing(submission: Submission, spec: TrainingSpec) -> str:
-    """Say that the script is not where it is looked for; nothing if it is."""
+    """Say that the script is missing; nothing if it is there."""
     if any(path.name == spec.script for path in (submission.path, *submission.others)):
         return ""
     return f"there is no {spec.script} beside {submission.path.name}"
@@ -143,7 +143,7 @@ def _run_script(
     workshop: Launcher,
     names: tuple[str, str],
 ) -> tuple[ScriptRun, dict[str, bytes], tuple[LogLine, ...]]:
-    """Run the script once; return how that went, what it wrote, and what it said."""
+    """Run the script once; return its outcome, its files and its output."""
     with submission.folder(without=(DATA, *names)) as folder:  # what it writes is new
         data.save(folder / DATA)
         arguments = ("--data", DATA, "--out", names[0], "--onnx", names[1])
@@ -180,7 +180,7 @@ def _conduct(link: Link, order: Script, limit: float) -> Outcome:
 
 
 def _take_file(path: Path) -> bytes | None:
-    """Return what the script wrote; None unless it is an ordinary file of ordinary size."""
+    """Return the file that the script wrote; None unless it is ordinary, in kind and size."""
     try:
         content = read_regular_file(path, MAX_FILE)
     except OSError:

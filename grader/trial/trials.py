@@ -62,7 +62,7 @@ class TrialFault(GraderError):
 
 
 class _LeftOut(Exception):
-    """A trial was not run, since the node hung or ended at once in another."""
+    """A trial was not run, because the node hung or ended at once in another trial."""
 
     def __init__(self, scenario: Scenario) -> None:
         super().__init__(scenario.name)
@@ -70,7 +70,7 @@ class _LeftOut(Exception):
 
 
 class Trials:
-    """A source of recordings, by the name of the scenario; of itself it has none."""
+    """A source of recordings, by the name of the scenario; this base class has none."""
 
     def prepare(self, scenarios: Sequence[str]) -> None:
         """Announce the trials that will be needed."""
@@ -88,7 +88,7 @@ class Trials:
         return []
 
     def notes(self) -> list[str]:
-        """Return what else a reader of the score should know of the trials, a sentence each."""
+        """Return notes on the trials for a reader of the score, a sentence each."""
         return []
 
     def lacks(self, scenarios: Sequence[str], libraries: Sequence[str]) -> str:
@@ -200,7 +200,7 @@ class NodeTrials(Trials):
         return list(first.values())
 
     def _grown(self) -> list[str]:
-        """Say what grew, in the one trial that shows the most of it."""
+        """Say what grew, in the trial that shows it most."""
         found = [(growth_of(recording, models=False), recording) for recording in self.recordings()]
         found.sort(key=lambda each: (len(each[0]), each[1].duration_s))
         lines = [f"In {run.name}, {line}" for said, run in found[-1:] for line in said]
@@ -293,7 +293,7 @@ class NodeTrials(Trials):
             self._tell(scenario.name, outcome)
 
     def _saved(self, recording: Recording, bags: Path) -> Recording:
-        """Save a recording; one that can't be saved is judged all the same."""
+        """Save a recording; without a saved copy, a trial is judged all the same."""
         place = bags / recording.name
         try:
             return replace(recording, bag=str(bag.save(recording, place)))
@@ -354,7 +354,7 @@ class NodeTrials(Trials):
         return recording
 
     def _look_again(self, scenario: Scenario, virtual: Recording) -> Recording:
-        """Return the recording of a node that hung: it may just wait in a way that needs real time.
+        """Return the recording of a node that hung; in real time if only that ends the node's wait.
 
         `while not self.done: pass` never ends in virtual time, because no time goes by; on a robot
         it does. One trial in real time decides for all.

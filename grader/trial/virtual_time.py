@@ -151,7 +151,7 @@ def run_trial(
 
 
 class _Early(Exception):
-    """The program sleeps before it spins or speaks: it has to be started before the scenario."""
+    """The program has to start before the scenario, because it sleeps before it spins or speaks."""
 
     def __init__(self, lead: int) -> None:
         super().__init__(f"{lead} ns")
@@ -308,7 +308,7 @@ class _Trial:
         return recording if ending is None else replace(recording, ending=ending)
 
     def _take(self, answer: Settled | Ended, cost: Cost, began: int, agreed: int) -> list[Message]:
-        """Note an answer, let the robot follow it; return the robot's next messages."""
+        """Record a host's answer, let the robot follow it; return the robot's next messages."""
         recorder = self._recorder
         reached = _reached(answer, began, agreed)
         self._at = reached / 1e9
@@ -355,7 +355,7 @@ def _too_slow(limits: Limits, simulation: Simulation) -> str:
 
 
 def _reached(answer: Settled | Ended, began: int, agreed: int) -> int:
-    """Return the time that the host has come to; it can't be any other than agreed on."""
+    """Return the time that the host has reached, if it is the time agreed on."""
     early = isinstance(answer, Settled) and answer.asked  # it asks a model before time goes on
     if isinstance(answer, Settled) and answer.now != agreed and not early:
         raise HostForged(f"time {answer.now} where {agreed} was agreed on")
