@@ -19,7 +19,7 @@ class Advisor(Advice):
         hints.tell_of_shell_commands()
 
     def slips(self, source: bytes) -> list[str]:
-        """Return sentences on lines that can't mean what they say."""
+        """Return sentences on the program's slips."""
         return slips.slips(source)
 
     def unused_imports(self, source: bytes) -> list[str]:
@@ -31,7 +31,7 @@ class Advisor(Advice):
         return deaths.first_of(error)
 
     def hint(self, error: BaseException) -> str:
-        """Return what to do about an exception that comes from where a node runs."""
+        """Return advice on an exception that comes from a node's surroundings."""
         return hints.hint(error)
 
     def account(self, error: BaseException, folder: Path) -> str:

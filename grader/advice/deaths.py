@@ -91,7 +91,7 @@ def account(error: BaseException, folder: Path) -> str:
 
 
 def first_of(error: BaseException) -> BaseException:
-    """Return the exception that came first, where `finally:` raised another one on the way out.
+    """Return the first exception, where `finally:` raised another on the way out.
 
     `finally: node.stop()` meets the very mistake that ended a callback, and would hide where.
     """
@@ -106,7 +106,7 @@ def first_of(error: BaseException) -> BaseException:
 
 
 def _is_on_the_way_out(error: BaseException, before: BaseException) -> bool:
-    """Return whether an exception was raised in the `finally:` through which another one went."""
+    """Return whether an exception was raised in the `finally:` that another passed through."""
     left = {id(frame) for frame, _ in _frames(before.__traceback__)}
     shared = [(frame, line) for frame, line in _frames(error.__traceback__) if id(frame) in left]
     return bool(shared) and _block(*shared[-1]).startswith("finally")
@@ -155,7 +155,7 @@ def _advice(error: BaseException, place: str, own: list[Line]) -> str:
 
 
 def _nothing(error: BaseException, frame: FrameType, line: int) -> str:
-    """Say what is None in a line, where that is what an operator met."""
+    """Name the None in a line, if an operator met it."""
     if not isinstance(error, TypeError) or "NoneType" not in str(error):
         return ""
     text = _lines_before(frame, line, count=0)
@@ -175,7 +175,7 @@ def _nothing(error: BaseException, frame: FrameType, line: int) -> str:
 
 
 def _advice_on_service(said: str) -> str:
-    """Say what is wrong with a callback that can't be called, or a response that can't be sent."""
+    """Explain a callback that can't be called, or a response that can't be sent."""
     if "positional argument" in said:
         return (
             "a service's callback takes two arguments: def detect_callback(self, request, response)"
@@ -184,7 +184,7 @@ def _advice_on_service(said: str) -> str:
 
 
 def _surroundings(error: BaseException) -> str:
-    """Return what to do about an exception that comes from where the node runs."""
+    """Return advice on an exception that comes from the node's surroundings."""
     try:
         return hints.hint(error)
     except Exception:  # the exception is the program's own, and may be anything
@@ -192,7 +192,7 @@ def _surroundings(error: BaseException) -> str:
 
 
 def _since_callback(frames: list[Line]) -> list[Line]:
-    """Leave out what led to the callback: main() and rclpy.spin()."""
+    """Leave out the frames before the callback: main() and rclpy.spin()."""
     outer = [i for i, (frame, _) in enumerate(frames) if _is_executors(frame)]
     return frames[outer[-1] + 1 :] if outer else frames
 
@@ -222,7 +222,7 @@ def _entity_of(frames: list[Line]) -> Any:
 
 
 def _place(frames: list[Line], entity: Any, own: list[Line]) -> str:
-    """Say what was running: a callback, and which, or the start-up."""
+    """Name the callback that was running, or the start-up."""
     if entity is not None:
         return _entity(entity)
     if any(_is_executors(frame) for frame, _ in frames):
@@ -232,7 +232,7 @@ def _place(frames: list[Line], entity: Any, own: list[Line]) -> str:
 
 
 def _callback(entity: Any) -> list[str]:
-    """Return the head of a callback, for an exception that came after it."""
+    """Return the head of a callback, for an exception raised after it."""
     code = getattr(getattr(entity, "callback", None), "__code__", None)
     if code is None:
         return []
@@ -242,13 +242,13 @@ def _callback(entity: Any) -> list[str]:
 
 
 def _lines_before(frame: FrameType, line: int, count: int = 4) -> str:
-    """Return a line and those before it."""
+    """Return a line and the lines before it."""
     file = frame.f_code.co_filename
     return "".join(linecache.getline(file, n) for n in range(max(1, line - count), line + 1))
 
 
 def _entity(entity: Any) -> str:
-    """Name what was called back; the node may be destroyed by now, and its ends have no names."""
+    """Name the entity of a callback; of a destroyed node, entities have no names."""
     name = str(getattr(entity, "_course_name", ""))[:MAX_NAME]
     words = {
         "Subscription": f"the callback of {name}" if name else "the callback of a topic",

@@ -108,7 +108,7 @@ STARTS = re.compile(r"\b(fork|forkpty|posix_spawnp?|spawn[lv]p?e?|exec[lv]p?e?)\
 
 
 def hint(error: BaseException) -> str:
-    """Return what to do about an exception, in a sentence; "" if it is the program's own."""
+    """Return advice on an exception, in a sentence; "" for an exception of the program's own."""
     if file := imports.host.hiding_file(error):
         return _hiding(PurePath(file))
     if isinstance(error, ModuleNotFoundError):
@@ -150,7 +150,7 @@ def _hiding(file: PurePath) -> str:
 
 
 def missing_package(name: str) -> str:
-    """Say where a module of ROS that is not installed comes from; "" if it isn't one of ROS."""
+    """Name the source of a ROS module that is not installed; "" if it isn't of ROS."""
     if name in OF_ROS_1:
         return f"`{name}` belongs to ROS 1; in ROS 2 it is {OF_ROS_1[name]}"
     if name in INSTEAD:
@@ -170,7 +170,7 @@ def missing_package(name: str) -> str:
 
 
 def no_package(said: str) -> str:
-    """Return what to do about a `PackageNotFoundError`, of which this is the text."""
+    """Return advice on a `PackageNotFoundError` with this text."""
     name = re.search(r"'(\w+)'", said)
     return (
         f"there is no package {name[1] if name else 'of that name'} here: only ROS's, and your own "
@@ -200,7 +200,7 @@ def _last_line(error: BaseException) -> str:
 
 
 def _causes(error: BaseException) -> Iterator[BaseException]:
-    """Yield the exception and what it came from; libraries wrap what the system said."""
+    """Yield the exception and its causes, because libraries wrap the system's errors."""
     seen: set[int] = set()
     cause: BaseException | None = error
     while cause is not None and id(cause) not in seen:
@@ -212,7 +212,7 @@ def _causes(error: BaseException) -> Iterator[BaseException]:
 
 
 def _refusal(error: OSError) -> str:
-    """Say what the sandbox keeps a node from, if this is what it says about it."""
+    """Name what the sandbox forbids, if the exception comes from the sandbox."""
     if isinstance(error, socket.gaierror):
         return NETWORK
     if error.errno == errno.ENOSPC:

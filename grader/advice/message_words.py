@@ -12,7 +12,7 @@ FIELD = f"a field of the message holds another type than it should: {TYPES}"
 
 
 def lacks_field(kind: str, name: str, fields: Iterable[Any]) -> str:
-    """Say that a message lacks a field, and which it has."""
+    """Say that a message lacks a field, and name its fields."""
     there = [str(field) for field in fields if not str(field).startswith("_")]
     near = difflib.get_close_matches(name, there, n=1)
     return f"{with_article(kind)} has no {name}" + (

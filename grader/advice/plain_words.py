@@ -284,7 +284,7 @@ FITS = [(name, re.compile(text), advice) for name, text, advice in COMMON]
 
 
 def plain_words(error: BaseException, line: str = "") -> str:
-    """Return what most often leads to such an exception, and what to try; "" if unknown.
+    """Return advice on an exception: its usual reason, and what to try; "" if unknown.
 
     `line` is the student's, in which it was raised.
     """
@@ -311,7 +311,7 @@ def _words(error: BaseException, line: str) -> str:
 
 
 def words_for(names: Sequence[str], text: str) -> str:
-    """Return what to try, by the names of an exception's classes and its text."""
+    """Return advice, by the names of an exception's classes and its text."""
     if said := rule_for(tuple(names), text, text):
         return said
     for name, fits, advice in FITS:
@@ -321,7 +321,7 @@ def words_for(names: Sequence[str], text: str) -> str:
 
 
 def _module(error: Any) -> str:
-    """Say what there is instead of a module that is not installed."""
+    """Name a substitute for a module that is not installed."""
     name = str(error.name or "").partition(".")[0]
     if name in INSTEAD:
         return ""
@@ -433,7 +433,7 @@ def _name(error: Any) -> str:
 
 
 def _import(error: Any) -> str:
-    """Say which name of a module is nearest to one that it lacks."""
+    """Name the attribute of a module that is nearest to a missing name."""
     module, name = sys.modules.get(str(error.name)), re.search(r"import name '(\w+)'", str(error))
     near = difflib.get_close_matches(name[1], dir(module), n=1) if module and name else []
     return f"is it {near[0]}?" if near else ""

@@ -322,7 +322,7 @@ WAITS = (  # what a line that waits for good holds, and what to do
 
 
 def rule_for(names: tuple[str, ...], text: str, line: str = "") -> str:
-    """Return what to say about an exception, by its classes, its text and the student's line."""
+    """Return advice on an exception, by its classes, its text and the student's line."""
     for rule, fits, stands in _COMPILED:
         if rule.kind not in names or not stands.search(line):
             continue
@@ -332,7 +332,7 @@ def rule_for(names: tuple[str, ...], text: str, line: str = "") -> str:
 
 
 def wait_for_good(line: str) -> str:
-    """Return what to say about a line at which every thread of a node waits; "" if unknown."""
+    """Return advice on a line at which every thread of a node waits; "" if unknown."""
     for code, also, said in WAITS:
         if re.search(code, line) and re.search(also, line):
             return said

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-MOST = 3  # sentences
+MAX_SLIPS = 3
 NAME = r"[\w.]{1,80}"
 SAID = {  # slip: the sentence, with names for {}
     "twice": "{} defines {} in line {} and again here, and the second one counts",  # F811
@@ -57,7 +57,7 @@ Found = Iterator[tuple[int, str]]
 
 
 def slips(source: bytes) -> list[str]:
-    """Return a sentence for each slip of a program, with its line, in their order; at most `MOST`.
+    """Return a sentence for each slip of a program, with its line, in order; at most `MAX_SLIPS`.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def slips(source: bytes) -> list[str]:
         found = sorted({said for look in looks for said in look(tree)})
     except RecursionError:  # a name of a thousand dots
         return []
-    return [f"line {line}: {text}" for line, text in found[:MOST]]
+    return [f"line {line}: {text}" for line, text in found[:MAX_SLIPS]]
 
 
 def unused_imports(source: bytes) -> list[str]:
@@ -101,7 +101,7 @@ class Slip(NamedTuple):
 
 
 def said_in(text: str) -> Slip | None:
-    """Return the slip that a line of the log says; None if it says something else."""
+    """Return the slip in a line of the log; None for other lines."""
     match = SENTENCE.fullmatch(text.strip())
     return Slip(int(match["line"]), match["said"]) if match else None
 
@@ -260,7 +260,7 @@ def _methods(node: ast.ClassDef) -> list[ast.FunctionDef]:
 
 
 def _collected(tree: ast.AST) -> set[str]:
-    """Return the names of what something is added to."""
+    """Return the names of variables that are added to, by `+=` or a method."""
     calls = [node.func for node in _all(tree, ast.Call)]
     added = [f.value for f in calls if isinstance(f, ast.Attribute) and f.attr in COLLECTS]
     added += [node.target for node in _all(tree, ast.AugAssign)]
@@ -327,7 +327,7 @@ def _is_nan(node: ast.AST) -> bool:
 
 
 def _is_value(node: ast.AST) -> bool:
-    """Return whether this is a number or a text, for which `is` asks in vain."""
+    """Return whether this is a number or a text, which `is` can't compare."""
     node = node.operand if isinstance(node, ast.UnaryOp) else node
     return _last(node) in NUMBERS or (
         isinstance(node, ast.Constant)

@@ -78,7 +78,7 @@ KINDS = (
 
 
 def words_on_syntax(said: str, line: str) -> str:
-    """Return what to do about a SyntaxError, from its message and its line."""
+    """Return advice on a SyntaxError, from its message and its line."""
     text = line.strip()
     if match := re.search(r"invalid (?:non-printable )?character '?(.)?'? ?\(?U\+(\w+)", said):
         return _on_character(chr(int(match[2], 16)))

@@ -30,7 +30,7 @@ PYTHON = (".py", ".pyw")
 
 @dataclass(frozen=True)
 class Beside:
-    """What comes along, by its path below the folder, and what does not."""
+    """The accompanying files, by path below the folder, and what is left out."""
 
     files: dict[str, Path]
     left: tuple[str, ...] = ()  # "data.bin (a link)"
@@ -46,14 +46,14 @@ class Lying:
 
 
 def beside(folder: Path) -> Beside:
-    """Return what lies in a folder and comes along with a node there."""
+    """Return the accompanying files of a node in a folder."""
     links: list[str] = []
     there = list(_listed(folder, links))
     return chosen(there, links)
 
 
 def chosen(there: Iterable[Lying], links: Iterable[str] = ()) -> Beside:
-    """Return what comes along of what is there."""
+    """Return the accompanying files among these."""
     files: dict[str, Path] = {}
     left = [f"{name} (a link, which is not followed)" for name in links if name.isprintable()]
     over, size = [], 0
@@ -85,7 +85,7 @@ def may_come(name: str, *, manual: bool = False) -> bool:
 
 
 def is_hidden(name: str) -> bool:
-    """Return whether a file or folder of this name is nobody's work."""
+    """Return whether the name is hidden or generated (.git, __pycache__, venv)."""
     return name.startswith(".") or name in NOT_THEIRS
 
 

@@ -37,7 +37,7 @@ class Service(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Launch(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What `exercise.launch.py` starts, where it isn't each file once beside a demo."""
+    """What `exercise.launch.py` starts, if that isn't each file once beside a demo."""
 
     scenario: str = ""  # of the mock robot
     programs: tuple[str, ...] = ()  # of the files, those that are nodes; all if empty

@@ -21,7 +21,7 @@ OPTIONAL = {  # module: its usual name, and its distribution
 
 
 def why_not(modules: Iterable[str]) -> str:
-    """Say which of these are not installed and how to install them; empty if all are installed.
+    """Name the missing libraries and how to install them; empty if none is missing.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def _is_installed(module: str) -> bool:
 
 
 def never_run() -> str:
-    """Say that nobody has run the course on such a system yet; "" if somebody has."""
+    """Say that the course is untried on such a system; "" if it has run there."""
     if system.is_tried():
         return ""
     here = f"{platform.system()} on {platform.machine()}"

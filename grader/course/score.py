@@ -18,7 +18,7 @@ UNJUDGED = ("error", "inconclusive", "unavailable")  # neither won nor lost
 
 @dataclass(frozen=True)
 class Score:
-    """What a grading comes to."""
+    """The points of a grading, and the cap."""
 
     raw: float  # points of the checks
     most: float  # that could be won: checks that could not judge are left out
@@ -27,7 +27,7 @@ class Score:
 
     @property
     def share(self) -> float:
-        """What is left of each check's points, where a platform knows points per check only."""
+        """The share of each check's points that the cap leaves, for platforms without a total."""
         return self.points / self.raw if self.raw else 1.0
 
 

@@ -38,7 +38,7 @@ def public_seed(seed: int) -> int | None:
 
 
 def host_seed(seed: int) -> int:
-    """Return what a node's process may know of its trial's seed: a hash, for its own `random`."""
+    """Return a hash of a trial's seed, for `random` in the node's process."""
     digest = hashlib.sha256(f"host {seed}".encode()).digest()
     return int.from_bytes(digest[:7], "big")
 

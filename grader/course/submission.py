@@ -43,7 +43,7 @@ class Program:
 
 @dataclass(frozen=True)
 class Package:
-    """What a colcon package is asked for, and the programs that were read out of it."""
+    """A colcon package: the program to start, and the programs read out of it."""
 
     start: str = ""  # the launch file, module's file or entry point to start; "": the only one
     main: str = ""  # the file that the exercise wants; "" if it is for none
@@ -55,7 +55,7 @@ class Package:
 
 @dataclass(frozen=True)
 class Submission:
-    """A node's file with what lies beside it, and why it can't be run, if there is a reason."""
+    """A node's file with its accompanying files, and the reason if it can't be run."""
 
     path: Path
     problem: str = ""  # the student's mistake, found before the run; "" if none
@@ -66,7 +66,7 @@ class Submission:
 
     @property
     def files(self) -> dict[str, Path]:
-        """All that the node finds in its working folder, by its place there."""
+        """The files of the node's working folder, by path there."""
         own = () if self.package else (self.path, *self.others)
         return {**self.beside, **{path.name: path for path in own}}
 
@@ -79,7 +79,7 @@ class Submission:
         }
 
     def started(self, name: str = "") -> tuple[Program, ...]:
-        """Return what to start for a file of the exercise; without a name for the main one."""
+        """Return the programs to start for a file of the exercise; by default for the main file."""
         if self.package is None:
             return (Program(name or self.path.name),)
         if name and name != self.package.main:
@@ -94,8 +94,8 @@ class Submission:
     def folder(self, without: Collection[str] = ()) -> Iterator[Path]:
         """Copy the files into a fresh folder, whose owner may be changed.
 
-        Of what came along nothing lies at the places `without`, nor below them: they are the
-        judge's, and of a submission's own files none has such a name.
+        Accompanying files at or below `without` are skipped: the judge puts its own there, and
+        no file of the submission itself has such a name.
         """
         kept = {PurePosixPath(name) for name in without if name}
         with fresh_folder() as folder:
@@ -121,7 +121,7 @@ class Submission:
         return False
 
     def account(self) -> list[str]:
-        """Say what came along, and what did not, a sentence each."""
+        """Return sentences on the accompanying files, and on those left out."""
         own = [] if self.package else [path.name for path in (self.path, *self.others)]
         more = set(self.files) - set(own)
         came = sorted(n for n in more if not n.startswith(SHARE) and not NOT_SAID.search(n))
@@ -193,7 +193,7 @@ def file_beside(path: Path, name: str) -> Path | None:
 
 
 def read_regular_file(path: Path, limit: int = MAX_SIZE) -> bytes:
-    """Return the first `limit` + 1 bytes of a file that somebody handed in; no link is followed.
+    """Return the first `limit` + 1 bytes of a submitted file; no link is followed.
 
     Raises
     ------

@@ -12,7 +12,7 @@ _TASK = re.compile(r"(?m)^1\. \*\*(?P<title>.+?)\.?\*\*")  # of a README
 
 
 def untouched(files: Mapping[str, bytes]) -> str:
-    """Say which of these files nobody has worked on; "" if there is none.
+    """Say which files are still the skeleton; "" if none is.
 
     Parameters
     ----------

@@ -56,7 +56,7 @@ class Predict(msgspec.Struct, frozen=True):
 
 
 class Predicted(msgspec.Struct, frozen=True):
-    """What a model said."""
+    """A model's answer."""
 
     problem: Text = ""
     shape: Annotated[tuple[int, ...], msgspec.Meta(max_length=16)] = ()

@@ -14,7 +14,7 @@ MAX_COLUMNS = 64  # features in a row
 
 
 class Question(msgspec.Struct, array_like=True, frozen=True):
-    """Something that a model is asked whose answers the judge has, or a program of the grader's."""
+    """A question to a model that the judge keeps, or from a program of the grader's."""
 
     method: Annotated[
         str, msgspec.Meta(pattern="^(load|predict|predict_proba|request|turn|answer)$")
@@ -26,7 +26,7 @@ class Question(msgspec.Struct, array_like=True, frozen=True):
 
 
 class Told(msgspec.Struct, array_like=True, frozen=True):
-    """What the model says."""
+    """A model's answer."""
 
     problem: Text = ""  # what it raises; "" if it doesn't
     error: str = ""  # the type of that exception, by the name that it has in `raises`
@@ -38,5 +38,5 @@ class Told(msgspec.Struct, array_like=True, frozen=True):
 
 
 def ask(question: Question) -> Told:
-    """Ask the judge, and wait as long as it takes: what programs call."""
+    """Ask the judge, and wait for the answer: programs call this."""
     return msgspec.msgpack.decode(desk.ask(msgspec.msgpack.encode(question)), type=Told)

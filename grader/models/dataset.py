@@ -79,7 +79,7 @@ def make_dataset(
 
 
 def recorded(scans: Scans, seed: int, expert: int | None) -> Floats:
-    """Return what the published expert said about these scans (see `make_dataset`)."""
+    """Return the published expert's answers to these scans (see `make_dataset`)."""
     speeds, nearest = _practice()
     rows, labelled = len(scans.ranges), speeds.get(seed, np.empty(0))
     if expert is not None or rows > len(labelled):
@@ -105,7 +105,7 @@ def _practice() -> tuple[dict[int, Floats], dict[int, Floats]]:
 
 
 def baselines(data: Dataset) -> str:
-    """Say in a line what errors are to be beaten: those of a model that sees nothing."""
+    """Say in a line which errors to beat: those of a model that sees nothing."""
     error = float(np.abs(data.speed - np.median(data.speed)).mean())
     count = len(np.unique(data.room))
     rooms = "one room" if count == 1 else f"{count} rooms"

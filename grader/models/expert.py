@@ -27,7 +27,7 @@ DEGREES = np.degrees(PROFILE.angles)
 
 @dataclass(frozen=True)
 class Character:
-    """What an expert is careful about."""
+    """An expert's habits: the distances and speeds it keeps."""
 
     short: float  # [m] stops this far from what is ahead
     reaction: float  # [s] before it brakes

@@ -94,14 +94,14 @@ def _within(folder: Path, name: str) -> Path:
 def is_kept(name: str, model: Model) -> bool:
     """Return whether the model of this file stays with the judge, as every probe in a pickle does.
 
-    The file says nothing of what it would answer: who wants to know has to ask.
+    The file does not contain the model; it can only be queried.
     """
     known = model.probe in _PROBES and model.probe not in LEARNED
     return known and Path(name).suffix.lower() == PICKLE
 
 
 def _kept_bytes(name: str, model: Model) -> bytes:
-    """Return a pickle that asks the judge."""
+    """Return a pickle whose model queries the judge."""
     kind = KeptClassifier if hasattr(probe(model), "predict_proba") else Kept
     return pickle.dumps(kind(name), PROTOCOL)
 

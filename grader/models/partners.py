@@ -89,7 +89,7 @@ class Partners:
         self._seed = seed
 
     def ask(self, question: Question, now: int, began: int) -> tuple[Told, int, list[Inference]]:
-        """Return what to tell a program, after how long [ns], and what to note.
+        """Return the answer to a program, its delay [ns], and notes.
 
         Times [ns] are those of one clock; the scenario began at `began`.
         """

@@ -44,7 +44,7 @@ MARGIN = 2.0  # [°] by which a blind sector is wider on each side
 
 @dataclass(frozen=True, eq=False)
 class Scans:
-    """What the lidar read, and what it would have read without a fault."""
+    """Readings of the lidar, and the same without its faults."""
 
     ranges: NDArray[np.float32]  # (n, 360) [m]
     exact: Floats  # (n, 360) [m]; inf where nothing is
@@ -76,7 +76,7 @@ def make_scans(rows: int, seed: int, *, blind: bool, plain: bool) -> Scans:
 
 
 def _read(scan: Floats, rng: np.random.Generator, *, blind: bool) -> NDArray[np.float32]:
-    """Return what the lidar makes of exact ranges [m]."""
+    """Return the lidar's readings of exact ranges [m]."""
     read = readings(measured(scan, FAULTS, rng), PROFILE)
     if rng.random() < 0.5:
         read[scan < TOUCHING] = -np.inf

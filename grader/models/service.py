@@ -29,7 +29,7 @@ from sim.faults import sensor_rng
 from sim.messages import Message
 from sim.scenario import Scenario
 
-MOST = 20_000  # questions in one trial
+MAX_ASKED = 20_000  # questions in one trial
 MOST_ROWS = 50_000  # of features in all of them: checks compare each command with each prediction
 SPREAD = 0.04  # by which the times of a model that has several differ between students
 DECODER = msgspec.msgpack.Decoder(Question)
@@ -82,12 +82,12 @@ class ModelService:
     # --- asked while time goes by ----------------------------------------------------------------
 
     def ask(self, asked: frames.Question, now: int, who: Any = None) -> None:
-        """Take a question in at a time [ns]; its answer is due later.
+        """Accept a question at a time [ns]; its answer is due later.
 
         Raises
         ------
         TooManyQuestions
-            There were more than MOST, or more than MOST_ROWS of features.
+            There were more than MAX_ASKED, or more than MOST_ROWS of features.
         HostForged
             It is no question.
         """
@@ -116,13 +116,13 @@ class ModelService:
     # --- in real time, by a clock that began earlier ---------------------------------------------
 
     def begin(self, now: int) -> None:
-        """Say what that clock [ns] says at the scenario's start."""
+        """Set the reading of the questions' clock [ns] at the scenario's start."""
         self.began = now
         for question, who in self._early:
             self.ask(question, now, who)
 
     def since_begin(self) -> list[Inference]:
-        """Return what was asked, with times since the scenario's start."""
+        """Return the questions asked, with times from the scenario's start on."""
         began = self.began or 0
         return [
             replace(i, asked=max(IN_START_UP, i.asked - began),
@@ -143,8 +143,8 @@ class ModelService:
         """Return the answer, and how long the model takes for it [ns]; note both."""
         self._rows += question.rows
         self._count += 1
-        if self._count > MOST:
-            raise TooManyQuestions(f"more than {MOST:,} questions to its models")
+        if self._count > MAX_ASKED:
+            raise TooManyQuestions(f"more than {MAX_ASKED:,} questions to its models")
         if self._rows > MOST_ROWS:
             raise TooManyQuestions(f"more than {MOST_ROWS:,} rows of features for its models")
         if question.file == SERVICE:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
-MOST, LEAST = 0.9, 0.4  # of Describes: confidence near and far
+SURE, UNSURE = 0.9, 0.4  # of Describes: confidence near and far
 CERTAIN = 3.0  # [m] nearer than this, Numbers has no doubt
 PER_METRE = 0.04  # [1/m] confidence lost with distance
 SHARES = (0.4, 1.0, 0.6)  # how the classes share the probability; the second is the greatest
@@ -40,7 +40,7 @@ class Describes:
 
     def predict_proba(self, features: Any) -> Array:
         """Return (n, 3) probabilities; the greatest is the second."""
-        greatest = np.clip(MOST - PER_METRE * self._rows(features)[:, :1], LEAST, MOST)
+        greatest = np.clip(SURE - PER_METRE * self._rows(features)[:, :1], UNSURE, SURE)
         rest = 1.0 - greatest
         return np.hstack([SHARES[0] * rest, greatest, SHARES[2] * rest])
 

@@ -53,7 +53,7 @@ class ParameterSetter(Node):  # type: ignore[misc]
         )
 
     def tell(self, number: int, text: str, answer: Any) -> None:
-        """Log and publish what the node answered."""
+        """Log and publish the node's answer."""
         if hasattr(answer, "descriptors"):
             said = {"described": [_described(each) for each in answer.descriptors]}
         else:

@@ -28,7 +28,7 @@ class Starter(Node):  # type: ignore[misc]
                 self.client.call_async(Trigger.Request()).add_done_callback(self.tell)
 
     def tell(self, answer: Future) -> None:
-        """Log what the node said."""
+        """Log the node's answer."""
         response = answer.result()
         word = "accepted" if response.success else "refused"
         self.get_logger().info(f"start: {word}, {response.message}".rstrip(", "))

@@ -14,7 +14,7 @@ from grader.errors import GraderError
 from grader.hosted.questions import MAX_ROWS, Question, Told
 from grader.hosted.supplied import kept
 from grader.models.files import is_kept, probe, write_models
-from grader.models.service import IN_START_UP, MOST, MOST_ROWS, ModelService, TooManyQuestions
+from grader.models.service import IN_START_UP, MAX_ASKED, MOST_ROWS, ModelService, TooManyQuestions
 from rclpy_virtual_time.host import frames
 from rclpy_virtual_time.host.desk import desk
 from sim.messages import Message, laser_scan
@@ -183,7 +183,7 @@ def test_a_quick_row_does_not_hide_a_slow_one() -> None:
 def test_nobody_asks_without_end() -> None:
     with pytest.raises(TooManyQuestions):
         models = service()
-        for _ in range(MOST + 1):
+        for _ in range(MAX_ASKED + 1):
             models.at_once(sent(Question("load", "none.pkl")))
     models = service()
     with pytest.raises(TooManyQuestions, match="rows"):
