@@ -27,7 +27,7 @@ UNFIT = ("real_time", "missing", "unreadable")  # outcomes that say nothing abou
 
 @dataclass(frozen=True)
 class Mishap:
-    """What went wrong first."""
+    """The first mishap of a drive."""
 
     kind: str
     at: float  # [s]
@@ -35,7 +35,7 @@ class Mishap:
 
 
 def mishap_of(recording: Recording, contract: Contract) -> Mishap | None:
-    """Return the first mishap of a drive, if there is one.
+    """Return the first mishap of a drive, if any.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def _lost(recording: Recording) -> Mishap | None:
 
 
 def _way(recording: Recording, since: float) -> float:
-    """Return how far the robot got from where it was at that time [m], at most."""
+    """Return the robot's greatest distance from its place at a time [m]."""
     truth = recording.truth
     late = truth.t / 1e9 >= since
     if not late.any():

@@ -126,7 +126,7 @@ def read_params_files(paths: Sequence[Path], taken: Sequence[str]) -> dict[str, 
 
 
 def read_stdin(source: str | None) -> bytes:
-    """Return what the node is to read from stdin: a file's content; "-": what comes in here.
+    """Return the text for the node's stdin: a file's content; "-": this process's stdin.
 
     Raises
     ------

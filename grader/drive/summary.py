@@ -70,7 +70,7 @@ def print_summary(
 
 
 def _print_words(recording: Recording, console: Console, most: int | None, rest: str) -> None:
-    """Print what the node said: its last lines, those after Ctrl-C among them."""
+    """Print the node's last log lines, also those after Ctrl-C."""
     ending = recording.ending
     words = [*told_lines(recording.log), *(["(Ctrl-C)"] if ending and ending.log else [])]
     words += told_lines(ending.log) if ending else []
@@ -88,7 +88,7 @@ def _print_words(recording: Recording, console: Console, most: int | None, rest:
 
 
 def event_lines(recording: Recording) -> list[str]:
-    """Return what happened, a line each."""
+    """Return the drive's events, a line each."""
     truth = recording.truth
     lines = [
         f"{recording.duration_s:.1f} s simulated; {_ending(recording)}",
@@ -118,13 +118,13 @@ def event_lines(recording: Recording) -> list[str]:
 
 
 def _turned(truth: Truth) -> str:
-    """Say how far the robot turned in all, if it did."""
+    """Say how far the robot turned in all; "" if it didn't."""
     turned = math.degrees(np.abs(np.diff(np.unwrap(truth.yaw))).sum())
     return f"; turned {turned:.0f}°" if turned >= 1.0 else ""
 
 
 def _last_lines(recording: Recording) -> list[str]:
-    """Return what Ctrl-C did, if there is anything to say."""
+    """Return lines on the effect of Ctrl-C, if there was any."""
     ending = recording.ending
     if ending is None:
         return []

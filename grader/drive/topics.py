@@ -42,7 +42,7 @@ ARROWS = {"publisher": "->", "subscription": "<-"}
 
 
 def topic_lines(recording: Recording) -> list[str]:
-    """Return a line for each end, and below it, indented, what is wrong with it."""
+    """Return a line for each endpoint, and below, indented, its problems."""
     ends = recording.endpoints
     if not ends:
         return ["the node created no publisher and no subscription"]
@@ -56,14 +56,14 @@ def topic_lines(recording: Recording) -> list[str]:
 
 
 def _lasted(recording: Recording) -> float:
-    """Return how long the node was there [s]; the robot rolls on without it."""
+    """Return the node's lifetime [s]; the robot rolls on without the node."""
     return recording.duration_s if recording.outcome.completed else recording.outcome.at
 
 
 def _count(
     end: Endpoint, ends: tuple[Endpoint, ...], sent: Counter[str], said: Counter[tuple[str, str]]
 ) -> tuple[int, str]:
-    """Return how many messages it sent or could hear, and how they are to be put in words.
+    """Return the number of messages an endpoint sent or could hear, and the words for them.
 
     Which of several publishers sent a message is not known, nor whether one of the programs' own
     came in time for a subscription of theirs.
@@ -152,7 +152,7 @@ def _of_publisher(recording: Recording, end: Endpoint) -> Iterator[str]:
 def _own_publishers(
     end: Endpoint, ends: tuple[Endpoint, ...], *, connected: bool = False
 ) -> list[Endpoint]:
-    """Return the programs' own publishers of a topic, or those that this end hears."""
+    """Return the programs' own publishers of a topic, or the publishers an endpoint hears."""
     found = [other for other in ends if (other.kind, other.topic) == ("publisher", end.topic)]
     if not connected:
         return found

@@ -36,7 +36,7 @@ PRACTICE_HERE = (
 
 
 def render_diagnosis(found: Diagnosis, console: Console) -> None:
-    """Print what `course doctor` found."""
+    """Print the findings of `course doctor`."""
     width = min(console.width, MAX_WIDTH)
     console.print(_facts(found.python, found.ros or "not found", missing_extras()), width=width)
     layers = Table(box=None, padding=(0, 2, 0, 1), header_style="bold")
@@ -82,7 +82,7 @@ def _facts(python: str, ros: str, extras: Mapping[str, tuple[str, ...]]) -> Tabl
 
 
 def render_practice(reason: str, console: Console) -> None:
-    """Print what `course doctor` says where the real rclpy can't run."""
+    """Print the words of `course doctor` where the real rclpy can't run."""
     width = min(console.width, MAX_WIDTH)
     ros = "portable: rclpy's own Python, for practice"
     console.print(_facts(system.name(), ros, missing_extras()), width=width)
@@ -97,7 +97,7 @@ def render_practice(reason: str, console: Console) -> None:
 
 
 def missing_extras() -> Mapping[str, tuple[str, ...]]:
-    """Return what each extra is for, and which of its distributions are missing."""
+    """Return the purpose of each extra, and its missing distributions."""
     return {what: tuple(filter(_is_missing, names)) for what, names in EXTRAS.items()}
 
 

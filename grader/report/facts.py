@@ -25,7 +25,7 @@ MAX_WISH = 60  # [characters] of what was expected, before what came
 
 
 def in_order(checks: Iterable[Check]) -> list[Check]:
-    """Return checks as they are shown: what failed first, by task, then the others by task.
+    """Return checks in the order shown: failed checks by task, then the others by task.
 
     Those about all tasks come after the tasks, and those without points last.
     """
@@ -38,7 +38,7 @@ def _place(check: Check) -> tuple[bool, int, float]:
 
 
 def first_failure(grading: Mapping[str, Any]) -> Check | None:
-    """Return the check to begin with: that in which the cause was seen, or the first that failed.
+    """Return the check to begin with: the one that shows the cause, or the first failed check.
 
     One that could not be judged, if none failed; None if there is none either.
     """
@@ -51,7 +51,7 @@ def first_failure(grading: Mapping[str, Any]) -> Check | None:
 
 
 def cause_of(grading: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the most probable cause of what failed, as lines (name, text); [] if none is known."""
+    """Return the most probable cause of the failures, as lines (name, text); [] if unknown."""
     cause = grading.get("cause") or {}
     hint = cause.get("hint") or {}
     lines = [
@@ -72,7 +72,7 @@ def group_fact(kind: str, group: Sequence[Check]) -> str:
 
 
 def points_of(check: Check) -> str:
-    """Say how many points a check gave; "-" if it was not judged."""
+    """Return a check's points as text; "-" if the check was not judged."""
     if check.get("kind") == "field" or not check.get("max_points"):
         return ""
     if check["outcome"] in UNJUDGED:
@@ -134,7 +134,7 @@ def score_of(grading: Mapping[str, Any]) -> str:
 
 
 def score_notes(grading: Mapping[str, Any]) -> list[str]:
-    """Return what else a reader of the score should know."""
+    """Return notes for a reader of the score."""
     checks = grading.get("checks", [])
     absent = sum(float(c["max_points"]) for c in checks if c["outcome"] == "unavailable")
     said = f"{spell_points(absent)} more points are about libraries that are not installed here"
@@ -154,7 +154,7 @@ def points_by_question(grading: Mapping[str, Any]) -> str:
 
 
 def field_words(grading: Mapping[str, Any]) -> tuple[str, str]:
-    """Return what to say about the field checks: the badge's word, and the rest of the line."""
+    """Return the words on the field checks: the badge's, and the rest of the line."""
     field = [check for check in grading.get("checks", []) if check.get("kind") == "field"]
     if grading.get("field_ready"):
         return "field-ready", ": works on other sensors and networks too"

@@ -60,7 +60,7 @@ def page_payload(
     title: str,
     opens_at: float | None = None,
 ) -> JsonDict:
-    """Return what `page_html` shows: a grading (None for `course drive`) and its recordings.
+    """Return the payload of `page_html`: a grading (None for `course drive`) and its recordings.
 
     Without a grading the page opens at `opens_at` [s] of the first recording, if that is given.
     """

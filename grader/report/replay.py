@@ -127,7 +127,7 @@ def _commands(recording: Recording) -> JsonDict:
 
 
 def _scans(scans: Sequence[Scan]) -> JsonDict | None:
-    """Return the scans as base64 of uint16 millimetres; those with another layout are all NaN."""
+    """Return the scans as base64 of uint16 millimetres; scans of another layout are all NaN."""
     if not scans:
         return None
     layout = Counter(_layout_of(scan) for scan in scans if len(scan.ranges))

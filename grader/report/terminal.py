@@ -57,7 +57,7 @@ class Console(_Console):
     def render(
         self, renderable: RenderableType, options: ConsoleOptions | None = None
     ) -> Iterator[Segment]:
-        """Yield what is printed; only Rich's own sequences move the cursor or set colours."""
+        """Yield the printed text; only Rich's own sequences move the cursor or set colours."""
         for segment in super().render(renderable, options):
             text, style, control = segment
             if control or (text.isascii() and text.isprintable()):
@@ -104,7 +104,7 @@ def render_terminal(
 
 
 def render_check(grading: Mapping[str, Any], check: Check, console: _Console) -> None:
-    """Print all that is known of one check, with the cause if it was seen there."""
+    """Print a check's full verdict, with the cause if this check shows it."""
     width = min(console.width, MAX_WIDTH)
     table = Padding(_table([check], console), (0, 0, 0, 1))
     console.print()
@@ -237,7 +237,7 @@ def _head(check: Check, console: _Console) -> Text:
 
 
 def _last_rows(facts: Iterable[Fact], width: int) -> list[Text]:
-    """Return what stands above the prompt, in at most `ROWS` rows."""
+    """Return the last rows above the prompt, `ROWS` at most."""
     rows = [(name, _fact(name, text, width, most)) for name, text, most in facts]
     for spared in SPARED:
         if sum(len(lines) for _, lines in rows) > ROWS:
@@ -296,7 +296,7 @@ def _fact(name: str, text: Text, width: int, most: int) -> list[Text]:
 
 
 def _notes(grading: Mapping[str, Any]) -> list[str]:
-    """Return what else there is to say; the cap stands beside the score."""
+    """Return further notes; the cap stands beside the score."""
     asked = points_by_question(grading)
     capped = str(grading.get("cap") or "")
     return [

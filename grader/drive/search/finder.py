@@ -47,7 +47,7 @@ class Found:
 
     @property
     def sentence(self) -> str:
-        """What a student reads."""
+        """The sentence that a student reads."""
         return sentence(self.recording, self.mishap)
 
     @property
@@ -58,7 +58,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Search:
-    """What a search found, and what it took."""
+    """A search's findings, and its cost."""
 
     found: Found | None
     tries: int
@@ -93,7 +93,7 @@ class _Hunt:
     began: float = field(default_factory=time.monotonic)
 
     def draw(self, chance: Random) -> None:
-        """Look into worlds that come by chance, until the node fails in one."""
+        """Try random worlds, until the node fails in one."""
         if self._fails(Draw(), KINDS):
             return  # in the simplest world: nothing is simpler
         enough = HARM if self.arena.contract.free is not None else KINDS  # what to run into
@@ -204,7 +204,7 @@ def _told(found: Found, arena: Arena, drive: Drive | None) -> Found:
 
 
 def cut(scenario: Scenario, end: float) -> Scenario:
-    """Return a scenario that ends earlier, without what would happen later."""
+    """Return a scenario that ends earlier, without its later events."""
     end = min(scenario.duration, float(end))
     raw = [replace(each, end=min(each.end, end)) for each in scenario.raw if each.begin < end]
     script = [event for event in scenario.script if event.at < end]

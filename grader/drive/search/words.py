@@ -25,7 +25,7 @@ def title(scenario: Scenario) -> str:
 
 
 def sentence(recording: Recording, mishap: Mishap) -> str:
-    """Return what a student reads: the world, its faults, and what happened when."""
+    """Return the sentence that a student reads: the world, its faults, and events with times."""
     scenario = recording.scenario
     ends = {STANDS: f", from {mishap.at:.1f} s on", LOST: f" in {recording.duration_s:.0f} s"}
     when = ends.get(mishap.kind, f" at {mishap.at:.1f} s")
@@ -36,7 +36,7 @@ def sentence(recording: Recording, mishap: Mishap) -> str:
 
 
 def _things(scenario: Scenario) -> list[str]:
-    """Return what stands in a world, or which goals there are."""
+    """Name the things in a world, or its goals."""
     goals = [event.goal for event in scenario.script if event.goal is not None]
     if goals:
         return [f"a goal {'; then one '.join(_place(scenario, goal[:2]) for goal in goals)}"]
@@ -65,7 +65,7 @@ def _place(scenario: Scenario, point: tuple[float, float]) -> str:
 
 
 def _touched(recording: Recording, at: float) -> str:
-    """Return what the robot touches, and how many other things there are."""
+    """Name the thing that the robot touches, and count the others."""
     world, pose = recording.scenario.world, _pose(recording, at)
     gaps = [_gap(World(boxes=(box,)), pose) for box in world.boxes]
     if min(gaps, default=math.inf) > _gap(World(walls=world.walls), pose):
@@ -102,7 +102,7 @@ def _pose(recording: Recording, at: float) -> tuple[float, float, float]:
 
 
 def _faults(scenario: Scenario) -> list[str]:
-    """Return what goes wrong in a world, and which sensors it has if not the usual ones."""
+    """Name a world's faults, and its sensors if they are unusual."""
     faults, lidar, odometry = scenario.faults, scenario.lidar, scenario.odometry
     model = scenario.node.parameters.get("model_path")
     late = faults.scan_latency or faults.odom_latency

@@ -57,7 +57,7 @@ class Draw:
         self.taken: Plan = ()
 
     def __call__(self, options: Sequence[T]) -> T:
-        """Return one of the options, which is the first if the plan says no more."""
+        """Return an option; after the plan's end, the first."""
         last = len(options) - 1
         number = self._chance.randint(0, last) if self._chance else min(next(self._plan, 0), last)
         self.taken += (number,)
@@ -66,7 +66,7 @@ class Draw:
 
 @dataclass(frozen=True)
 class Arena:
-    """Where a node of an exercise is looked at, and by what it is judged."""
+    """The worlds for an exercise's nodes, and the judgement of a drive in them."""
 
     contract: Contract
     field: bool = False  # also what only nodes with the badge field-ready have to cope with
