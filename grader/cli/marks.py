@@ -113,7 +113,7 @@ def set_(
     folder: Path, check: str, points: float, exercise: str, students: tuple[str, ...],
     section: str, everybody: bool, may_lower: bool, preview: bool, why: str, by: str,
 ) -> int:  # fmt: skip
-    """Give a CHECK these POINTS, whatever it came to, where that costs nobody points."""
+    """Set the POINTS of a CHECK; scores that would drop are left (see --may-lower)."""
     from grader.classroom.desk.asked import Named, set_check  # noqa: PLC0415
     from grader.classroom.desk.marking import marking  # noqa: PLC0415
 

@@ -157,7 +157,7 @@ class Marking:
         raise nearest(name, slugs, "exercise of this class")
 
     def any_exercise(self, name: str) -> Task:
-        """Return an exercise of the course, which nobody need have handed in yet."""
+        """Return an exercise by name, even if there are no submissions."""
         return task_of(name)
 
     def whom(

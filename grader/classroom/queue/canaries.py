@@ -1,10 +1,10 @@
 """Known solutions graded along with the class: they show whether the grader still judges right.
 
 A right solution must pass, and a wrong one must fail the checks it names. They are graded
-before an exercise's class, every so often, and after it. A round that comes out otherwise may be a
-neighbour's doing, so it is repeated with nothing beside it. If that one is good, what was graded
-since the last good round is graded again; if not, it is left to a person, with the rest of the
-exercise. A stall of the machine is no verdict: such a round confirms nothing.
+before an exercise's class, every so often, and after it. An unexpected round may have been caused
+by other work on the machine, so it is repeated alone. After a good repetition, the files graded
+after the last good round are graded again; after a bad one, they and the rest of the exercise are
+left to a person. A stall of the machine is no verdict: such a round confirms nothing.
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ def _look() -> str:
 
 
 def _stamp_of(page: Path) -> str:
-    """Return the last line of a page, which says what it was made of; "" if there is none."""
+    """Return a page's input hash (its last line); "" if there is none."""
     try:
         with page.open("rb") as file:
             file.seek(max(0, page.stat().st_size - LONGEST_STAMP))

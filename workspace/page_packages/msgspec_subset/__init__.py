@@ -35,7 +35,7 @@ class Raw(bytes):
 
 
 class Meta:
-    """What a type has to keep to; nobody asks here."""
+    """Constraints of a type; ignored by this stand-in."""
 
     def __init__(self, **bounds: Any) -> None:
         self.bounds = bounds
