@@ -1,7 +1,7 @@
 """What the checks of all exercises share; each exercise's own lie in `grader/exercises/NAME`.
 
 ==================  ============================================================================
-verbs               the verbs of a check: wired, follows, every, keeps_distance, …
+verbs               what a check says: wired, follows, every, keeps_distance, …
 case, check         a case with its allowed and its given answer; the mark of a check
 contract            what an exercise's node is: limits, period, worlds
 verdict             how a check fails, or says that the machine allows no verdict; evidence

@@ -1,4 +1,4 @@
-"""What a node answered to those who set its parameters while it ran (`parameter_setter.py`)."""
+"""A node's answers to changes of its parameters while it ran (`parameter_setter.py`)."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 All files that somebody handed in are read here, and no link is followed: it may lead to another
 student's answer, or to the instructor's files. Only the file that a person names on the command
-line may be a link, since it is that person's own.
+line may be a link, because it is that person's own.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Whether what somebody gives is still the skeleton, and what its first task is."""
+"""Whether submitted files are still the skeleton, and the first task there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Grade files that somebody else handed in, on a fork server kept warm between submissions.
+"""Grade other people's files, on a fork server kept warm between submissions.
 
 `course autograde` and nbgrader both grade through this module. Nothing a submission does raises
 anything but `GraderError`, and no error is ever the student's fault.

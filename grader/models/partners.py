@@ -131,7 +131,7 @@ class Partners:
             return SAME
         if kind in MALFORMED:
             return MALFORMED[kind]
-        # who is unsure says what it would be, and no success
+        # an unsure server names its best label, without success
         confidence = sensor_rng(self._seed, f"answer {request}").uniform(0.05, 0.95)
         stamp = (EPOCH_NS + at) / 1e9
         return json.dumps({"label": f"box {request}", "confidence": confidence, "stamp": stamp})

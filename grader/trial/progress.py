@@ -1,4 +1,4 @@
-"""How a grading tells whoever waits how far it is."""
+"""The progress of a grading, for the person who waits."""
 
 from __future__ import annotations
 

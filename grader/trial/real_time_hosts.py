@@ -385,7 +385,7 @@ class LiveHosts:
     def _counts(self, published: Published) -> bool:
         """Return whether a message is worth noting.
 
-        Between a program's start-up and the scenario's beginning nobody asks what it says.
+        Between a program's start-up and the scenario's beginning no check asks for its messages.
         """
         return published.time >= self.epoch > 0 or self._said_in_start_up(published)
 

@@ -1,4 +1,4 @@
-"""How often a node answers: only who usually answers can have missed an answer.
+"""How often a node answers: only a node that usually answers can have missed an answer.
 
 An answer that is missing may be the machine's fault; one that is never given is the node's way.
 """

@@ -49,7 +49,7 @@ class Offer(msgspec.Struct, array_like=True, frozen=True):
     topic: Name
     type: Name
     reliable: bool
-    latched: bool = False  # sent once; who subscribes later, transient local, hears it too
+    latched: bool = False  # sent once; later subscriptions, transient local, get it too
 
 
 Span = tuple[Nanoseconds, Nanoseconds]  # [ns] at least, at most

@@ -63,7 +63,7 @@ class Wire:
 
 
 class Turns:
-    """Marks in stdout and stderr when each was written, and who spoke first at one moment."""
+    """Marks in stdout and stderr: the time of writing, and the order of both at one moment."""
 
     def __init__(self) -> None:
         self._time = 0  # [ns]

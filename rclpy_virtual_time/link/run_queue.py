@@ -70,7 +70,7 @@ class RunQueue:
             with contextlib.suppress(OSError, IndexError, ValueError):
                 if _state(f"{self._tasks}/{thread}/stat") == b"R":
                     self._ready[thread] = self._counted(thread).ran
-        # whoever was ready at both looks and has not run in between has waited
+        # a thread that was ready at both looks and has not run in between has waited
         ran = {t: (self._ready[t] - before[t]) / 1e9 for t in self._ready if t in before}
         others = self._others(sum(ran.values()), since)
         for thread, seconds in ran.items():

@@ -1,4 +1,4 @@
-"""Environment variables and libraries of hosts, whoever starts them."""
+"""Environment variables and libraries of hosts, for every launcher."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 
 EPOCH = 1_700_000_000 * 10**9  # [ns] ROS time at the start of a test
 NO_GPU = {"CUDA_VISIBLE_DEVICES": ""}  # the same run on every machine
-LEARNING = {  # for whoever imports Keras
+LEARNING = {  # for programs that import Keras
     "KERAS_BACKEND": "torch",
     "KERAS_HOME": os.devnull,  # no settings read, none written
 }

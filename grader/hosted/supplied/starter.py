@@ -11,7 +11,7 @@ from std_srvs.srv import Trigger
 
 
 class Starter(Node):  # type: ignore[misc]
-    """Somebody who sees the robot."""
+    """A person who sees the robot."""
 
     def __init__(self) -> None:
         super().__init__("course_starter")

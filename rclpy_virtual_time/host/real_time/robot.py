@@ -86,7 +86,7 @@ class Radio:
         mismatch = ""
         ros_type = message_class(end.type)
         if ros_type is not None:
-            # a participant takes one type per topic; whoever comes second with another is unheard
+            # a participant takes one type per topic; a second endpoint of another type is unheard
             with contextlib.suppress(Exception):
                 if end.kind == "publisher":
                     self._ends.listen(end.topic, ros_type)

@@ -109,7 +109,7 @@ CALLS = {  # name: number on x86_64, on arm64
     "io_uring_enter": (426, 426), "io_uring_register": (427, 427), "io_uring_setup": (425, 425),
     "ioperm": (173, NONE), "iopl": (172, NONE),
     "kcmp": (312, 272), "kexec_file_load": (320, 294), "kexec_load": (246, 104),
-    # more layers: rules are memory that nobody counts, and a filter may fill the machine's log
+    # more layers: rules are memory that no limit counts, and a filter may fill the machine's log
     "landlock_add_rule": (445, 445), "landlock_create_ruleset": (444, 444),
     "landlock_restrict_self": (446, 446), "seccomp": (317, 277),
     "keyctl": (250, 219), "listen": (50, 201), "listmount": (458, 458),

@@ -298,7 +298,7 @@ def mount(source: str, target: str, kind: str | None, flags: int, options: str =
 
 
 def unmount(target: Path) -> None:
-    """Take away a mount; who still works in it keeps it until its end."""
+    """Take away a mount; a process that still works in it keeps it until its end."""
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.umount2(str(target).encode(), MNT_DETACH):
         error = ctypes.get_errno()

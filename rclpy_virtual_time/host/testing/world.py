@@ -95,7 +95,7 @@ class World:
         return (now + rclpy.duration.Duration(nanoseconds=shift)).to_msg()
 
     def listen(self, topic: str, kind: Any) -> Heard:
-        """Hear all messages of a topic from now on, whoever publishes them in whatever QoS."""
+        """Hear all messages of a topic from now on, from any publisher in any QoS."""
         qos = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         subscription = self._node().create_subscription(kind, topic, lambda _: None, qos)
         self._heard.append(Heard(subscription, lambda: self.now))

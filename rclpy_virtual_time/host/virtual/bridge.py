@@ -31,7 +31,7 @@ from .kernel import Kernel
 from .rosout import TOPIC as ROSOUT
 from .rosout import Rosout
 
-TIMERS = 20  # of a node, at a time; as many again are reported, for they grow
+TIMERS = 20  # of a node, at a time; as many again are reported, because they grow
 HISTORY = Duration(seconds=2)  # of real time at most
 LATCHED = DurabilityPolicy.TRANSIENT_LOCAL
 

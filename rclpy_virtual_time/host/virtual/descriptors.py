@@ -62,7 +62,7 @@ def _polling(kernel: Kernel, make: Any, unit: float) -> Any:
     """Return what makes an object of `poll` or `epoll`, in `unit`s of whose time its waits are."""
 
     class Polling:
-        """Does as the object of the system, which is a type that nobody can inherit from."""
+        """Does as the system's object, whose type can't be inherited from."""
 
         def __init__(self, *arguments: Any, **keywords: Any) -> None:
             self._real = make(*arguments, **keywords)

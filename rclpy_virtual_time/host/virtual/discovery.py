@@ -138,7 +138,7 @@ class Discovery:
                 return party
         return None
 
-    # --- who knows whom --------------------------------------------------------------------------
+    # --- which programs know each other ----------------------------------------------------------
 
     def knows_robot(self, context: Any) -> bool:
         """Return whether the running program has found the robot."""
@@ -260,7 +260,7 @@ def may_have_work(end: Any) -> bool:
 
 
 def count_sent() -> None:
-    """Count what is sent: nobody who asks `may_have_work` hears anything without it."""
+    """Count the messages sent, because `may_have_work` tells by their number."""
     for cls, name in (
         (rclpy.publisher.Publisher, "publish"),
         (rclpy.client.Client, "call_async"),

@@ -35,17 +35,17 @@ class VirtualThread:
     """What the kernel knows of one thread."""
 
     def __init__(self) -> None:
-        self.gate = real_allocate_lock()  # opened by whoever hands over the baton
+        self.gate = real_allocate_lock()  # opened by the thread that hands over the baton
         self.gate.acquire()
         self.ticket = 0  # goes up at each wake-up, which makes old queue entries void
-        self.woken = False  # woken by somebody (True) or by the deadline (False)
+        self.woken = False  # woken by a thread (True) or by the deadline (False)
         self.seen = -1  # epoch at this thread's last look
         self.idle: dict[object, tuple[int, int]] = {}  # poll key: (epoch, idle looks in it)
         self.done = False
         self.program: object = None  # the emulated process it belongs to
         self.joiners: Waiters = collections.deque()
         self.interrupts: list[Callable[[], None]] = []  # to run before it goes on (see interrupt)
-        self.parked = False  # nobody has woken it yet
+        self.parked = False  # no thread has woken it yet
         self.asks = False  # it waits for the world, which will answer
         self.until: int | None = None  # [ns] at which it will have been parked long enough
         self.goes_on_waiting = False  # it was woken for its interrupts only
@@ -250,7 +250,7 @@ class Kernel:
             times = [time for time in (deadline, next_due()) if time is not None]
             self.park_once(min(times, default=None))
 
-    # --- for those who start threads -------------------------------------------------------------
+    # --- for modules that start threads ----------------------------------------------------------
 
     def add(self) -> VirtualThread:
         """Announce a thread; it runs when its turn comes."""

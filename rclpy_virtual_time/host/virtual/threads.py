@@ -199,7 +199,7 @@ def _install_locks(kernel: Kernel) -> None:
     module._allocate_lock = module.Lock = Lock
     _thread.allocate_lock = Lock  # type: ignore[assignment]
     futures: Any = sys.modules.get("concurrent.futures.thread")
-    if futures is not None:  # who starts a thread of any pool parks with this lock
+    if futures is not None:  # a thread that starts another in any pool parks with this lock
         futures._global_shutdown_lock = Lock()
     module._CRLock = None  # RLock() is then the Python one, made of a Lock
     if hasattr(functools, "RLock"):  # until Python 3.11: the lock of cached_property

@@ -1,4 +1,4 @@
-"""The words of the checks: what each says, of occasions and recordings made by hand."""
+"""The verbs of the checks: the answer of each, for cases and recordings made by hand."""
 
 from dataclasses import replace
 from types import SimpleNamespace

@@ -23,7 +23,7 @@ print(
 
 
 class SimpleFilter:
-    """Hands on what comes to those who have registered."""
+    """Hands messages on to the registered callbacks."""
 
     def __init__(self) -> None:
         self.callbacks: dict[int, tuple[Callable[..., Any], tuple[Any, ...]]] = {}

@@ -80,7 +80,7 @@ class TransformBroadcaster:
 
 
 class StaticTransformBroadcaster:
-    """Tells others, also those who come later, of transforms that stay."""
+    """Publishes transforms that stay, to later subscriptions too."""
 
     def __init__(self, node: Any, qos: Any = None) -> None:
         self.pub_tf = node.create_publisher(TFMessage, "/tf_static", qos or STATIC_SAID)
