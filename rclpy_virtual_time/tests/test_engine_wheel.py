@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from rclpy_virtual_time.tests.testing.test_readme import package_in
+from rclpy_virtual_time.tests.testing.test_engine_readme import package_in
 
 ROOT = Path(__file__).resolve().parents[2]
 ACTIONS = "ros-jazzy-test-msgs==2.0.3"
