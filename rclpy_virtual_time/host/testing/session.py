@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import faulthandler
+import functools
 import json
 import os
 import signal
@@ -17,16 +18,20 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+import rclpy.node
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.qos import DurabilityPolicy
 
 from .. import randomness
 from ..frames import Ended, Reported, RunTest
-from ..virtual import executors
+from ..virtual import discovery, executors
 from ..virtual.kernel import Kernel
 from ..wire import Wire, ended
 from .alone import Alone, StandIn
 from .world import VirtualTime
 
 NAME = "course-host"  # of the plug-in below; the one outside asks for it
+HISTORY = 100_000_000  # [ns] of real time in which DDS hands over what was latched
 FROM_THE_USER = ("PATH", "HOME", "TMPDIR", "LANG")  # else the fork server's settings go first
 
 
@@ -46,6 +51,7 @@ def serve(kernel: Kernel, epoch: int, read_fd: int, write_fd: int) -> None:
     _move_in(order)
     kernel.world = alone = Alone(kernel, order.limit, _complain)
     alone.clocks = executors.install(kernel, epoch, StandIn())
+    _await_history()
     randomness.seed(order.seed)
     _hide_our_frames()
     try:
@@ -87,6 +93,27 @@ class Inside:
         hook = self._config.hook
         data = hook.pytest_report_to_serializable(config=self._config, report=report)
         self._wire.send(Reported(json.dumps(data, default=str)))
+
+
+def _await_history() -> None:
+    """Let a subscription have what was latched before it: DDS brings it, in a thread, later."""
+    cls: Any = rclpy.node.Node
+    create = cls.create_subscription
+
+    @functools.wraps(create)
+    def create_subscription(self: Any, *args: Any, **kwargs: Any) -> Any:
+        made = create(self, *args, **kwargs)
+        latched = made.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        if latched and discovery.sent[made.topic_name] and not discovery.PORTABLE:
+            with self.context.handle, made.handle:
+                ready = rclpy_implementation.WaitSet(1, 0, 0, 0, 0, 0, self.context.handle)
+                with ready:
+                    ready.clear_entities()
+                    ready.add_subscription(made.handle)
+                    ready.wait(HISTORY)
+        return made
+
+    cls.create_subscription = create_subscription
 
 
 def _run(order: RunTest, plugin: Inside) -> None:

@@ -250,8 +250,11 @@ class Discovery:
 def may_have_work(end: Any) -> bool:
     """Return whether something may wait for a subscription, client or service.
 
-    All that is sent is counted, but for what rcl itself sends to names of its own.
+    All that is sent is counted, but for what rcl itself sends to names of its own, and answers
+    that a program sends below `Service.send_response`.
     """
+    if end.__dict__.get("_pending_requests"):
+        return True
     try:
         name = _key(end)
     except InvalidHandle:  # it has been destroyed

@@ -238,7 +238,12 @@ class Kernel:
             self.charge()
             thread.seen = self.epoch
             self.looks += 1
-            result = look()
+            try:
+                result = look()
+            except Exception:  # an executor that is shut down: a loop around it is a busy one
+                if self._too_idle(thread, (key, "fails")):
+                    self.park(self.now + IDLE_STEP)
+                raise
             if result is not None:
                 thread.idle.pop(key, None)
                 return result
