@@ -33,7 +33,8 @@ test-long: $(VENV)/.dev ## run the tests that take long: attacks, browsers, DDS,
 	$(PYTEST) -m long
 
 test-proof: $(VENV)/.dev ## each check meets a wrong solution, each reference the field checks
-	$(PYTEST) -m long tests/grader/authoring/test_proof.py -k "wrong_solution or reference"
+	$(PYTEST) -m long tests/grader/authoring/test_proof.py \
+	  tests/exercises/ml_velocity/test_ml_velocity_expert.py -k "wrong_solution or reference or published"
 
 test-all: test test-long ## test and test-long: before a release
 

@@ -93,7 +93,8 @@ def handed_in(folder: Path, model: Any) -> Submission:
     return find_submission(folder, EXERCISE.files[0], EXERCISE.files[1:])
 
 
-@pytest.mark.parametrize("brought", [pytest.param("formula", marks=pytest.mark.long), "table"])
+@pytest.mark.long  # `make test-proof` runs it
+@pytest.mark.parametrize("brought", ["formula", "table"])
 def test_what_was_published_helps_at_home_alone(
     brought: str, forkserver: ForkServer, tmp_path: Path
 ) -> None:

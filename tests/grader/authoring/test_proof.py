@@ -40,13 +40,13 @@ WRONG = [each for exercise in all_exercises() for each in cover(exercise, withou
 WRONG_IN_THE_FIELD = [each for exercise in all_exercises() for each in cover(exercise, field=True)]
 LONG = pytest.mark.long
 LONG_DRIVES = {"ml_velocity", "goal_seeking", "slow_model", "safety_supervisor", "model_formats"}
-DEAR_TO_JUDGE = {"silent_when_stale", "asks_and_stands"}  # by checks of all those drives
 
 
 def soon(claim: Claim, checks: frozenset[str]) -> bool:
     """Return whether a check caps a score, and the mutant that fails it costs little."""
-    essential, name = claim.exercise.essential, claim.name.rpartition("/")[2]
-    return bool(essential and checks.intersection(essential.checks)) and name not in DEAR_TO_JUDGE
+    essential = claim.exercise.essential
+    caps = bool(essential and checks.intersection(essential.checks))
+    return caps and claim.exercise.slug not in LONG_DRIVES
 
 
 def soon_driven(claim: Claim) -> bool:

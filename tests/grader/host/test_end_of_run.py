@@ -127,7 +127,10 @@ ENDS = {  # source: kind, problem, what is printed, messages that leave
 }
 
 
-@pytest.mark.parametrize("name", ENDS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.long if name == "busy" else ()) for name in ENDS],
+)
 def test_a_program_is_sent_sigint(run_node: RunNode, name: str) -> None:
     source, (kind, problem, said, sent) = ENDS[name]
     recording = run_node(SPIN + textwrap.dedent(source), short(0.5), interrupt=True)

@@ -119,7 +119,13 @@ def test_a_program_that_imports_datetime_alone_reads_virtual_time(
     assert said[0].count("2023-11-14 22:13:") == 2, (ended, said)
 
 
-@pytest.mark.parametrize("lines", LINES.values(), ids=LINES)
+@pytest.mark.parametrize(
+    "lines",
+    [
+        pytest.param(lines, id=name, marks=() if name == "a node" else pytest.mark.long)
+        for name, lines in LINES.items()
+    ],
+)
 def test_the_names_that_a_program_reaches_are_those_of_plain_python(
     learned: ForkServer | PracticeServer, folder: Path, lines: str
 ) -> None:
