@@ -59,9 +59,8 @@ class ModelService:
     delivered: Sequence[Message] = ()
     began: int | None = 0
     inferences: list[Inference] = field(default_factory=list)
-    _owed: list[tuple[int, int, Any, frames.Told]] = field(
-        default_factory=list
-    )  # due [ns], …, to whom
+    # due [ns], …, to whom
+    _owed: list[tuple[int, int, Any, frames.Told]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self._models = {
@@ -73,9 +72,7 @@ class ModelService:
         self._loads = dict.fromkeys(self._models, 0)
         self._sequence = itertools.count()
         self._partners = Partners(self.scenario, self.seed)
-        self._early: list[
-            tuple[frames.Question, Any]
-        ] = []  # turns that wait for the scenario's start
+        self._early: list[tuple[frames.Question, Any]] = []  # turns before the scenario's start
         self._count = 0  # of questions
         self._rows = 0
 

@@ -5,11 +5,11 @@ The judge gives one order at a time: run this script, or carry out this task.
 
 from __future__ import annotations
 
-import importlib
 from pathlib import Path
 
 from . import imports, program, randomness
-from .frames import Carried, Ended, FromScript, ProgramStart, Script, Task
+from .frames import Ended, FromScript, ProgramStart, Script, Task
+from .tasks import carried_out
 from .wire import Wire, ended
 
 
@@ -32,9 +32,3 @@ def _run(order: Script) -> Ended:
     imports.host.enter([str(Path(order.file).parent)])
     kind, text, detail = program.run_file(ProgramStart(order.file, order.arguments))
     return ended(kind, text, detail)
-
-
-def carried_out(task: Task) -> Carried:
-    """Carry out a task: the launcher has imported its module before anything else ran."""
-    module, _, function = task.function.partition(":")
-    return Carried(getattr(importlib.import_module(module), function)(task.data))

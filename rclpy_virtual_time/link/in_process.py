@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Generic, NoReturn, Protocol, cast
 
-from rclpy_virtual_time.host import forkserver, imports, practice, scripts
+from rclpy_virtual_time.host import forkserver, imports, practice
 from rclpy_virtual_time.host.frames import (
     Carried,
     FromScript,
@@ -28,6 +28,7 @@ from rclpy_virtual_time.host.frames import (
     ToHost,
     ToJudge,
 )
+from rclpy_virtual_time.host.tasks import carried_out
 from rclpy_virtual_time.host.wire import Wire, flush_output
 from rclpy_virtual_time.link import real_clock
 from rclpy_virtual_time.link.errors import EngineError
@@ -155,7 +156,7 @@ class InProcess:
         """
         carried: list[Carried] = []
         with host.printing():
-            self.stacks.run(lambda: carried.append(scripts.carried_out(task)))
+            self.stacks.run(lambda: carried.append(carried_out(task)))
         if not carried:
             raise HostDied
         return carried[0]

@@ -31,6 +31,7 @@ from ..frames import (
     Task,
     Told,
 )
+from ..tasks import carried_out
 from ..wire import Turns, Wire, ended, sendable
 from . import kernel as kernel_module
 from .charge import Meter
@@ -73,9 +74,7 @@ class Session(kernel_module.World):
         """Return what to run: the judge's first frame, unless that is a task."""
         frame = self._wire.receive()
         if isinstance(frame, Task):
-            from .. import scripts  # noqa: PLC0415  (few hosts need it)
-
-            self._wire.send(scripts.carried_out(frame))
+            self._wire.send(carried_out(frame))
             frame = self._wire.receive()
         if not isinstance(frame, Start):
             raise ValueError("the first frame must say what to run")
