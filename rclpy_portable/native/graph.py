@@ -159,8 +159,10 @@ def _part_subscription(subscription: Subscription) -> None:
 
 def ros_type(cls: Any) -> str:
     """Return the ROS name of a generated class: geometry_msgs/msg/Twist."""
-    package, kind = cls.__module__.split(".")[:2]
-    return f"{package}/{kind}/{cls.__name__}"
+    # also of a class of the program's own that is derived from a generated one
+    made = [each for each in cls.__mro__ if type(each) is type(cls)][-1]
+    package, kind = made.__module__.split(".")[:2]
+    return f"{package}/{kind}/{made.__name__}"
 
 
 def dds_type(cls: Any) -> str:

@@ -75,7 +75,7 @@ def report(kind: str, node: Any, endpoint: Any, mismatch: str = "") -> EndpointR
         type_name(endpoint.msg_type),
         qos.reliability.name.lower(),
         qos.durability.name.lower(),
-        qos.depth,
+        int(qos.depth),  # rclpy takes True for 1
         mismatch,
     )
 
@@ -87,5 +87,7 @@ def is_parameter_service(name: str) -> bool:
 
 def type_name(ros_type: Any) -> str:
     """Return the ROS name of a generated class: geometry_msgs/msg/Twist."""
-    package, kind = ros_type.__module__.split(".")[:2]
-    return f"{package}/{kind}/{ros_type.__name__}"
+    # a class of the program's own, derived from a generated one, is of that one's type to rclpy
+    made = [cls for cls in ros_type.__mro__ if type(cls) is type(ros_type)][-1]
+    package, kind = made.__module__.split(".")[:2]
+    return f"{package}/{kind}/{made.__name__}"

@@ -16,6 +16,7 @@ MAX_FRAME = 8 * 1024 * 1024  # [bytes] one frame, length excluded
 MAX_PUBLISHED = 4_000  # messages a node may publish between two events of the world
 MAX_PUBLISHED_BYTES = MAX_FRAME // 2  # of these messages and their names
 MAX_NOTES = 100  # of a run
+MAX_ENDPOINTS = 500  # new ones, in a frame: a program may have more
 MAX_CONNECTED = 1_000  # in a pulse: ends of a program
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
 MAX_STDIN = 1024 * 1024  # [bytes]
@@ -190,7 +191,7 @@ class Settled(msgspec.Struct, frozen=True, tag="settled"):
     spinning: bool  # an executor waits for work, or has looked for some
     asleep: bool  # some thread waits for a time
     published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]
-    endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)] = []
+    endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=MAX_ENDPOINTS)] = []
     asked: Annotated[list[Question], msgspec.Meta(max_length=MAX_QUESTIONS)] = []
     starting: bool = False  # the program starts up, before the scenario, and waits for an answer
     notes: Notes = []  # new or changed ones
@@ -206,7 +207,7 @@ class Ended(msgspec.Struct, frozen=True, tag="ended"):
     text: Text
     detail: Text  # the traceback, with the student's frames
     published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]
-    endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)] = []
+    endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=MAX_ENDPOINTS)] = []
     notes: Notes = []
 
 
@@ -234,7 +235,7 @@ class Pulse(msgspec.Struct, frozen=True, tag="pulse"):
 
     spun: Nanoseconds  # since 1970, when an executor first waited for work; 0: not yet
     busy: float  # [s] since an executor last waited for work; 0 if one does now
-    endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)]  # new ones
+    endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=MAX_ENDPOINTS)]  # new ones
     # "kind topic": how many ends of others it has found
     connected: Annotated[dict[Name, int], msgspec.Meta(max_length=MAX_CONNECTED)]
 
@@ -253,7 +254,8 @@ class Asking(msgspec.Struct, frozen=True, tag="asking"):
 class Tuned(msgspec.Struct, frozen=True, tag="tuned"):
     """What the radio made of a node's endpoints, and how many of them its ends have found."""
 
-    endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=500)]  # with mismatches
+    # with mismatches
+    endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=MAX_ENDPOINTS)]
     connected: dict[Name, int]  # "kind topic", of the node's end
 
 
@@ -352,7 +354,16 @@ FromRadio = Tuned | HeardNow
 FromScript = Ended | Carried  # from a host that runs scripts, or carries out a task
 FromTest = Reported | Ended  # from a host that runs a test
 
-_encoder = msgspec.msgpack.Encoder()
+
+def _plain(value: Any) -> Any:
+    """Return what the program's own subclass of int, str or float is: rclpy takes these, too."""
+    for kind, plain in ((int, "__int__"), (str, "__str__"), (float, "__float__")):
+        if isinstance(value, kind):
+            return getattr(kind, plain)(value)  # never the program's own
+    raise TypeError(f"a frame carries no {type(value).__name__}")
+
+
+_encoder = msgspec.msgpack.Encoder(enc_hook=_plain)
 # What each side decodes, or msgspec.DecodeError: nothing but one of its frames passes.
 decode_to_host: Callable[[bytes], ToHost] = msgspec.msgpack.Decoder(ToHost).decode
 decode_to_judge: Callable[[bytes], ToJudge] = msgspec.msgpack.Decoder(ToJudge).decode

@@ -18,7 +18,7 @@ from rclpy.task import Task
 from .. import program, randomness
 from ..desk import desk
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
-from ..frames import EndpointReport, Pulse, Start, TuneIn
+from ..frames import MAX_CONNECTED, MAX_ENDPOINTS, EndpointReport, Pulse, Start, TuneIn
 from ..wire import Wire, ended
 from .questions import Desk
 from .robot import Radio
@@ -87,14 +87,14 @@ class Vitals:
         """Return the state of things."""
         spun = self._spun  # before the rest: who spins has told of all that its constructor made
         with self._lock:
-            new, self._new = self._new, []
+            new, self._new = self._new[:MAX_ENDPOINTS], self._new[MAX_ENDPOINTS:]
         idle = self._waiting > 0 or not spun
         busy = 0.0 if idle else time.monotonic() - self._last_wait
         return Pulse(spun, busy, new, self._connected())
 
     def _connected(self) -> dict[str, int]:
         found: dict[str, int] = {}
-        for name, endpoint in self._ends:
+        for name, endpoint in self._ends[:MAX_CONNECTED]:
             try:
                 if name.startswith("client"):
                     found[name] = int(endpoint.service_is_ready())

@@ -23,7 +23,15 @@ from rclpy.qos import DurabilityPolicy
 
 from .. import advice
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
-from ..frames import MAX_PUBLISHED, MAX_PUBLISHED_BYTES, EndpointReport, Note, Offer, Published
+from ..frames import (
+    MAX_ENDPOINTS,
+    MAX_PUBLISHED,
+    MAX_PUBLISHED_BYTES,
+    EndpointReport,
+    Note,
+    Offer,
+    Published,
+)
 from ..robot_ends import Heard, RobotEnds
 from . import discovery as found
 from . import graph, parameter_files, tasks
@@ -114,9 +122,9 @@ class Bridge:
             ends.deliver(topic, data)
 
     def new_endpoints(self) -> list[EndpointReport]:
-        """Return the endpoints that the student created after the last call."""
-        endpoints, self._endpoints = self._endpoints, []
-        return endpoints
+        """Return endpoints that the student created and that were not told of: a frame's worth."""
+        new, self._endpoints = self._endpoints[:MAX_ENDPOINTS], self._endpoints[MAX_ENDPOINTS:]
+        return new
 
     def notes(self, kernel: Kernel) -> Iterator[Note]:
         """Yield notes on callbacks and nodes, and once on each program's files."""

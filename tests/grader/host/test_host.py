@@ -135,6 +135,34 @@ def test_sleep_blocks_one_thread_and_callback_groups_keep_the_control_rate(
     np.testing.assert_allclose(measured, 0.2, atol=2e-6)  # as a profiler in the node sees it
 
 
+OWN_TYPES = """
+    class Own(int): pass
+    class Name(str):
+        def __str__(self): return self
+    class Stop(Exception):
+        def __str__(self): return Name("its own text")
+    class Halt(Twist): pass
+    rclpy.init()
+    node = Echo(Name("echo"))
+    node.latch = node.create_publisher(Halt, Name("/halt"), True)
+    node.other = node.create_publisher(Twist, "/other", Own(4))
+    node.many = [node.create_publisher(Twist, f"/t{i}", 1) for i in range(520)]
+    node.latch.publish(Halt())
+    for _ in range(3): rclpy.spin_once(node)
+    raise Stop()
+"""
+
+
+def test_what_rclpy_takes_is_reported_whatever_its_type(run_node: RunNode) -> None:
+    recording = run_node(OWN_TYPES)
+
+    assert recording.outcome.kind == "exception", recording.outcome
+    assert "its own text" in recording.outcome.text
+    ends = {end.topic: end for end in recording.endpoints}
+    assert (ends["/halt"].type, ends["/halt"].depth) == ("geometry_msgs/msg/Twist", 1)
+    assert (ends["/other"].depth, "/t519" in ends) == (4, True)
+
+
 def test_parameters_and_remapping_come_from_the_command_line(run_node: RunNode) -> None:
     source = """
         class Parametrised(Echo):
