@@ -8,9 +8,9 @@ from pathlib import Path
 from grader.course.submission import Submission
 from grader.models.service import TooManyQuestions
 from grader.recording import Outcome, Recording
-from grader.trial.recorder import Command, Flood, Recorder
+from grader.trial.recorder import Command, Recorder
 from grader.trial.staging import missing_file
-from rclpy_virtual_time.link.exchange import HostForged, status_text
+from rclpy_virtual_time.link.exchange import Flood, HostForged, status_text
 from rclpy_virtual_time.link.log import LogLine
 from rclpy_virtual_time.link.workplace import Excess
 from sim.scenario import Scenario

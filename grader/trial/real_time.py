@@ -13,6 +13,7 @@ from pathlib import Path
 
 import msgspec
 
+from grader.course.students import host_seed
 from grader.course.submission import Submission
 from grader.models.service import ModelService, TooManyQuestions
 from grader.recording import COMPLETED, Live, Outcome, Recording
@@ -30,17 +31,16 @@ from grader.trial.endings import (
 )
 from grader.trial.exclusive import TRIAL_LOCK
 from grader.trial.hangs import located
-from grader.trial.real_time_hosts import HUNG_AT_START, TURN, LiveHosts, NotReady, Over, Program
-from grader.trial.recorder import Command, Flood, Recorder
+from grader.trial.recorder import Command, Recorder
 from grader.trial.staging import Stage, stage
 from grader.trial.stalls import AnswerRate
+from grader.trial.virtual_time import Limits
 from rclpy_virtual_time.host.frames import MAX_NAME, Delivery, Note
 from rclpy_virtual_time.host.sandbox.layers import NETWORK
-from rclpy_virtual_time.host.sandbox.users import priority
 from rclpy_virtual_time.link import real_clock
-from rclpy_virtual_time.link.domains import own_domain
-from rclpy_virtual_time.link.exchange import HostForged
+from rclpy_virtual_time.link.exchange import Flood, HostForged
 from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time.link.live_hosts import LiveHosts, Program
 from rclpy_virtual_time.link.workplace import Excess
 from sim.messages import Message, typestore, with_epoch
 from sim.scanner import Scanner
@@ -54,6 +54,7 @@ HEARTBEAT_NS = 100_000_000  # [ns] at most between two looks at the machine
 PROMPT = 0.05  # [s] an answer that took longer may have had to wait
 ATTEMPTS = 3  # of a trial on a machine that stalls
 HUNG = "the node did not come back from a callback"
+HUNG_AT_START = "the node did not come back from its start-up"
 
 
 def run_live_trial(
@@ -91,11 +92,13 @@ def run_live_trial(
         with (
             TRIAL_LOCK.held(alone=attempt > 0, shared_network=shared),
             stage(submission, scenario, files=files) as staged,
-            own_domain() as domain,
         ):
             recorder = Recorder()
             models = ModelService(scenario, simulation.seed, recorder.delivered, began=None)
-            hosts = LiveHosts(forkserver.live, staged, domain, simulation.seed, models)
+            hosts = LiveHosts(
+                forkserver.live, staged.folder, staged.programs, staged.offers,
+                host_seed(simulation.seed), models, Limits.start,
+            )  # fmt: skip
             trial = _LiveTrial(simulation, recorder, hosts, staged, models)
             recording = located(trial.run(reason), submission)
         if not recording.live or not recording.live.stall:
@@ -140,18 +143,18 @@ class _LiveTrial:
         stall = ""
         if reason == BUSY_WAIT:  # it hung before: a scenario may be shorter than HUNG_AFTER
             self._hung_after = min(HUNG_AFTER, self._simulation.scenario.duration / 2)
-        with priority(), self.hosts as hosts:
+        with self.hosts as hosts:
             try:
                 hosts.open()
                 typestore()  # it takes a while, once
                 hosts.meet()
                 self._drive()
                 outcome = self._final_outcome()
-            except Over:
+            except LiveHosts.Over:
                 outcome = self._end_outcome()
-            except NotReady as error:
-                kind = "hung" if str(error) == HUNG_AT_START else "never_spun"
-                outcome = self._outcome(kind, str(error), hosts.programs[0].link.stacks())
+            except LiveHosts.NotReady as error:
+                kind, text = str(error), HUNG_AT_START if str(error) == "hung" else NEVER_SPUN
+                outcome = self._outcome(kind, text, hosts.programs[0].link.stacks())
             except (HostForged, Flood, Excess, TooManyQuestions) as error:
                 outcome = self._outcome(*misbehaviour(error))
             except TimeoutError as error:
@@ -198,7 +201,7 @@ class _LiveTrial:
             commands: list[Command] = []
             cpu = hosts.cpu()
             while (left := until - hosts.now()) > 0:
-                hosts.listen(min(left / 1e9, TURN))
+                hosts.listen(min(left / 1e9, hosts.TURN))
                 commands += self._take_heard()
             self._lateness = max(self._lateness, (hosts.now() - until) / 1e9)
             answered = (commands[0][0] - began) / 1e9 if commands else None

@@ -9,7 +9,7 @@ import numpy as np
 
 from grader.recording import Compute, Endpoint, Inference, Live, Outcome, Recording
 from rclpy_virtual_time.host.frames import MAX_NOTES, EndpointReport, Note, Published
-from rclpy_virtual_time.link.exchange import HostForged
+from rclpy_virtual_time.link.exchange import Flood, HostForged
 from rclpy_virtual_time.link.log import LogLine
 from rclpy_virtual_time.link.output import Output
 from sim.messages import (
@@ -30,10 +30,6 @@ MAX_ENDPOINTS = 1_000
 OURS = ("/course/", "/ground_truth/", "/rosout")  # topics of our own in a bag
 
 Command = tuple[int, float, float]  # time [ns], linear.x [m/s], angular.z [rad/s]
-
-
-class Flood(Exception):
-    """The node published too much."""
 
 
 class Recorder:

@@ -28,7 +28,7 @@ from grader.trial.endings import (
     without_folder,
 )
 from grader.trial.hangs import located
-from grader.trial.recorder import MAX_BYTES, Flood, Recorder
+from grader.trial.recorder import MAX_BYTES, Recorder
 from grader.trial.staging import stage
 from rclpy_virtual_time.host.frames import (
     Delivery,
@@ -41,7 +41,7 @@ from rclpy_virtual_time.host.frames import (
     ToJudge,
 )
 from rclpy_virtual_time.link import real_clock
-from rclpy_virtual_time.link.exchange import Cost, HostDied, HostForged, HostHung
+from rclpy_virtual_time.link.exchange import Cost, Flood, HostDied, HostForged, HostHung
 from rclpy_virtual_time.link.launcher import Launcher
 from rclpy_virtual_time.link.link import Conversation, Link
 from rclpy_virtual_time.link.workplace import Excess

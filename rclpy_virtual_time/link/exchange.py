@@ -29,6 +29,10 @@ class HostForged(Exception):
     """The host sent a frame that no node can send."""
 
 
+class Flood(Exception):
+    """The host said more than it may."""
+
+
 @dataclass(frozen=True)
 class Cost:
     """What one exchange cost the host."""

@@ -13,10 +13,10 @@ from node_runs import PREAMBLE, short
 from grader.course.submission import Package, Program, Submission
 from grader.recording import Recording, bag, ended_of
 from grader.trial.real_time import run_live_trial
-from grader.trial.real_time_hosts import LiveHosts
 from rclpy_virtual_time.host.real_time.robot import _moment
 from rclpy_virtual_time.host.robot_ends import Heard
 from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time.link.live_hosts import LiveHosts
 from sim.messages import EPOCH_NS, STRING, decode
 from sim.scenario import ProgramSpec
 
@@ -77,7 +77,7 @@ ENDS = {
 
 @pytest.mark.parametrize("kind", ENDS)
 def test_each_end_has_a_name(kind: str, run_live: RunLive, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("grader.trial.real_time_hosts.IDLE_START", 0.5)
+    monkeypatch.setattr("rclpy_virtual_time.link.live_hosts.IDLE_START", 0.5)
     assert run_live(ENDS[kind]).outcome.kind == kind
 
 

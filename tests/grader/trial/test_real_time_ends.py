@@ -92,7 +92,7 @@ def test_a_busy_wait_runs_in_real_time(forkserver: ForkServer, tmp_path: Path) -
 def test_a_node_that_never_gets_started_is_not_run_again_and_again(
     forkserver: ForkServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("grader.trial.real_time_hosts.START_LIMIT", 0.5)
+    monkeypatch.setattr(Limits, "start", 0.5)
     file = tmp_path / "node.py"
     file.write_text("while True: pass")
     with NodeTrials(Submission(file), forkserver, limits=Limits(start=0.5, step=1.0)) as trials:

@@ -1,15 +1,12 @@
 """The processes of a trial in real time, as the judge hears them: stand-ins for what they say."""
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import msgspec
 import pytest
 
-from grader.errors import GraderError
-from grader.models.service import ModelService
-from grader.trial.real_time_hosts import LiveHosts
-from grader.trial.recorder import Flood
 from rclpy_virtual_time.host.frames import LENGTH as HEAD
 from rclpy_virtual_time.host.frames import (
     MAX_CONNECTED,
@@ -22,11 +19,12 @@ from rclpy_virtual_time.host.frames import (
     decode_from_live,
     encode,
 )
-from rclpy_virtual_time.link.exchange import HostDied, HostHung
-from sim.scenario_files import load_scenario
+from rclpy_virtual_time.link.errors import EngineError
+from rclpy_virtual_time.link.exchange import Flood, HostDied, HostHung
+from rclpy_virtual_time.link.live_hosts import LiveHosts
 
 BEGUN = 1_700_000_000_000_000_000  # [ns]
-MODELS = ModelService(load_scenario("demo_wall"), 1)
+SILENT: Any = SimpleNamespace(next_due=None, due=lambda now: [])
 
 
 class Radio:
@@ -49,8 +47,8 @@ class Radio:
 
 @pytest.fixture
 def hosts() -> LiveHosts:
-    staged: Any = SimpleNamespace(programs=())
-    hosts = LiveHosts(SimpleNamespace(), staged, 0, 0, MODELS)  # type: ignore[arg-type]
+    server: Any = SimpleNamespace()
+    hosts = LiveHosts(server, Path(), (), (), 0, SILENT, 20.0)
     hosts.radio = Radio()  # type: ignore[assignment]
     return hosts
 
@@ -111,7 +109,7 @@ def test_a_radio_that_does_not_take_orders_is_no_verdict(
     hosts: LiveHosts, error: Exception
 ) -> None:
     hosts.radio.error = error  # type: ignore[attr-defined]
-    with pytest.raises(GraderError, match="nothing can be said of the node"):
+    with pytest.raises(EngineError, match="nothing can be said of the node"):
         hosts.transmit([Delivery("/scan", b"")])
 
 

@@ -1,4 +1,4 @@
-"""The processes of a trial in real time: the robot's radio and the node's programs.
+"""The processes of a trial in real time: the radio, which has the robot's ends, and the programs.
 
 They are started, brought together and heard; how long they had to wait for a CPU is measured.
 """
@@ -12,15 +12,8 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar, Protocol
 
-from grader.course.students import host_seed
-from grader.errors import GraderError
-from grader.models.service import ModelService
-from grader.trial.endings import NEVER_SPUN
-from grader.trial.recorder import MAX_ENDPOINTS, Flood
-from grader.trial.staging import Stage
-from grader.trial.virtual_time import Limits
 from rclpy_virtual_time.host.frames import (
     MAX_FRAME,
     MAX_PUBLISHED,
@@ -32,11 +25,14 @@ from rclpy_virtual_time.host.frames import (
     EndpointReport,
     HeardNow,
     Meet,
+    Offer,
     ProgramStart,
     Published,
     Pulse,
+    Question,
     Start,
     ToHost,
+    Told,
     Transmit,
     Tuned,
     TuneIn,
@@ -44,37 +40,45 @@ from rclpy_virtual_time.host.frames import (
     decode_from_radio,
     encode,
 )
-from rclpy_virtual_time.host.sandbox.users import prefer
+from rclpy_virtual_time.host.sandbox.users import prefer, priority
 from rclpy_virtual_time.link import real_clock
-from rclpy_virtual_time.link.exchange import HostDied, HostHung, decoded
+from rclpy_virtual_time.link.domains import own_domain
+from rclpy_virtual_time.link.errors import EngineError
+from rclpy_virtual_time.link.exchange import Flood, HostDied, HostHung, decoded
 from rclpy_virtual_time.link.host_process import HostProcess
 from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.pipes import Channel
 from rclpy_virtual_time.link.run_queue import RunQueue
 from rclpy_virtual_time.link.scratch import prefix
 from rclpy_virtual_time.link.workplace import Workplace
-from sim.sensors import OFFERED
 
 SEND_LIMIT = 5.0  # [s] for a frame to a host
-START_LIMIT = Limits.start  # [s] for a program to begin to spin: imports, models
 LEAST_WORK = 0.01  # [s] of CPU time: a program that starts up takes more
 IDLE_START = 3.0  # [s] without CPU time after which a program won't begin to spin any more
 MEETING_LIMIT = 10.0  # [s] for DDS to bring all ends together
-TURN = 0.02  # [s] between looks at the hosts, at most ...
-REST = 0.001  # ... and at least, however much they say
+REST = 0.001  # [s] between looks at the hosts, at least, however much they say
 MAX_CHUNKS = 64  # read at once from one host
 MAX_PULSE = 2 * 1024 * 1024  # [bytes] with all its endpoints
 MAX_PULSES = 100  # of a program at a time: it sends ten a second
+MAX_ENDPOINTS = 1_000  # of all programs: the radio would choke on more
 NO_RADIO = "the robot's radio has died: nothing can be said of the node"
-HUNG_AT_START = "the node did not come back from its start-up"
 
 
-class Over(Exception):
-    """A program has ended."""
+class Answerer(Protocol):
+    """Answers what programs ask, each when its time has come [ns of the monotonic clock]."""
 
+    @property
+    def next_due(self) -> int | None:
+        """When the next answer is due."""
 
-class NotReady(Exception):
-    """A program does not begin to spin; the text says why not."""
+    def ask(self, asked: Question, now: int, who: Any) -> None:
+        """Accept a program's question."""
+
+    def due(self, now: int) -> list[tuple[Any, Told]]:
+        """Return the answers that are due, with the programs that they are for."""
+
+    def begin(self, now: int) -> None:
+        """Take note that the scenario begins."""
 
 
 class LiveLink(Channel):
@@ -146,43 +150,63 @@ class Program:
 
 
 class LiveHosts:
-    """The radio and the programs of one trial.
+    """The radio and the programs of one trial, in a DDS domain of their own.
 
     Parameters
     ----------
-    staged
-        The folder that they share, and what they run.
-    domain
-        The DDS domain, theirs alone.
+    folder
+        The folder that they share.
+    programs, offers
+        What they run, and the topics that the robot publishes.
     seed
-        Of the trial; the node's programs get a hash of it for their `random`.
-    models
+        Of the programs' `random`.
+    answerer
         What they may ask.
+    start_limit
+        How long a program may take to begin to spin [s]: imports, models.
     """
 
+    TURN: ClassVar = 0.02  # [s] between looks at the hosts, at most
+
+    class Over(Exception):
+        """A program has ended."""
+
+    class NotReady(Exception):
+        """A program does not begin to spin: it is "hung" or has "never_spun"."""
+
     def __init__(
-        self, forkserver: ForkServer, staged: Stage, domain: int, seed: int, models: ModelService
+        self,
+        forkserver: ForkServer,
+        folder: Path,
+        programs: Sequence[ProgramStart],
+        offers: tuple[Offer, ...],
+        seed: int,
+        answerer: Answerer,
+        start_limit: float,
     ) -> None:
         self.programs: list[Program] = []  # that have been started, in order
         self.radio: LiveLink
         self.endpoints: list[EndpointReport] = []  # that the radio has dealt with
         self.epoch = 0  # [ns] since 1970 at the scenario's start; 0: not yet
         self._forkserver = forkserver
-        self._stage = staged
-        self._domain = domain
-        self._seed = host_seed(seed)
-        self._models = models
+        self._folder, self._offers = folder, offers
+        self._domain = 0  # of DDS
+        self._seed = seed
+        self._answerer = answerer
+        self._start_limit = start_limit
         self._all = contextlib.ExitStack()
         self._poll = select.poll()
         self._radio_host: HostProcess
         self._queues: dict[int, RunQueue] = {}  # by the host's number, since time counts for it
-        self._waiting = sorted(staged.programs, key=lambda program: program.start)
+        self._waiting = sorted(programs, key=lambda program: program.start)
         self._place: Workplace
         self._connected: dict[str, int] = {}  # the radio's view
         self._asked = 0  # endpoints that it was told of
         self._heard: list[Published] = []
 
     def __enter__(self) -> LiveHosts:
+        self._domain = self._all.enter_context(own_domain())
+        self._all.enter_context(priority())
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -200,8 +224,8 @@ class LiveHosts:
         self._radio_host = self._all.enter_context(self._forkserver.host_process(Path(place)))
         self.radio = LiveLink(self._radio_host, decode_from_radio)
         self._register(self.radio)
-        self._tell_radio(TuneIn(self._domain, self._stage.offers))
-        self._place = self._all.enter_context(self._forkserver.workplace(self._stage.folder))
+        self._tell_radio(TuneIn(self._domain, self._offers))
+        self._place = self._all.enter_context(self._forkserver.workplace(self._folder))
         self.start_programs(0)
 
     def start_programs(self, now: int) -> None:
@@ -215,14 +239,14 @@ class LiveHosts:
             self._register(link)
             self.programs.append(Program(program, host, link))
             with contextlib.suppress(HostDied):  # then it has hung up, which will be heard
-                link.send(Start((program,), 0, self._seed, self._stage.offers, self._domain))
+                link.send(Start((program,), 0, self._seed, self._offers, self._domain))
 
     def measure(self) -> None:
         """Measure from now on how long a host has to wait; a program as soon as it spins."""
         spinning = (p.host for p in self.programs if p.pulse.spinning and not p.over)
         for host in (self._radio_host, *spinning):
             if host.pid not in self._queues:
-                self._queues[host.pid] = queue = RunQueue(host.pid, TURN)
+                self._queues[host.pid] = queue = RunQueue(host.pid, self.TURN)
                 queue.worst()  # what was until now is not the trial's
 
     def stop_programs(self, now: int) -> None:
@@ -239,16 +263,16 @@ class LiveHosts:
 
     def meet(self) -> None:
         """Wait until the programs spin and all ends have found each other; time begins then."""
-        limit = real_clock.monotonic() + START_LIMIT
+        limit = real_clock.monotonic() + self._start_limit
         while not all(program.ready(real_clock.monotonic()) for program in self.programs):
-            self.listen(TURN)
+            self.listen(self.TURN)
             if real_clock.monotonic() > limit:
-                raise NotReady(HUNG_AT_START)
+                raise self.NotReady("hung")
         if not any(program.pulse.spinning for program in self.programs):  # some just do a job
-            raise NotReady(NEVER_SPUN)
+            raise self.NotReady("never_spun")
         limit = real_clock.monotonic() + MEETING_LIMIT
         while not self._all_met():
-            self.listen(TURN)
+            self.listen(self.TURN)
             if real_clock.monotonic() > limit:
                 if any(program.over for program in self.programs):
                     break  # its ends will never be met
@@ -257,15 +281,16 @@ class LiveHosts:
         for host in (self._radio_host, *alive):
             prefer(host.pid)
         self.epoch = real_clock.time_ns()
-        self._models.begin(real_clock.monotonic_ns())
+        self._answerer.begin(real_clock.monotonic_ns())
         self._heard = [said for said in self._heard if self._counts(said)]
 
     def _all_met(self) -> bool:
         if len(self.endpoints) < self._asked:
             return False
         wanted: dict[str, int] = {}
+        offered = {offer.topic for offer in self._offers}
         for end in self.endpoints:
-            served = end.kind == "subscription" and end.topic in OFFERED
+            served = end.kind == "subscription" and end.topic in offered
             if end.kind == "publisher" or served:
                 name = f"{end.kind} {end.topic}"
                 if not end.mismatch:
@@ -294,7 +319,7 @@ class LiveHosts:
         try:
             self.radio.send(frame)
         except (HostDied, HostHung):
-            raise GraderError(NO_RADIO) from None
+            raise EngineError(NO_RADIO) from None
 
     def take_heard(self) -> list[Published]:
         """Return what was heard since the last call, in order; times since 1970 [ns]."""
@@ -316,7 +341,7 @@ class LiveHosts:
 
     def listen(self, patience: float) -> None:
         """Wait for the hosts to say something, `patience` [s] at most, and take it in."""
-        due = self._models.next_due
+        due = self._answerer.next_due
         if due is not None:
             patience = min(patience, max(0.0, (due - real_clock.monotonic_ns()) / 1e9))
         for descriptor, event in self._poll.poll(max(1, math.ceil(patience * 1e3))):
@@ -343,11 +368,11 @@ class LiveHosts:
             raise Flood(f"more than {MAX_PUBLISHED} messages at a time")
         self._limit_start_up()
         if self.radio.gone:
-            raise GraderError(NO_RADIO)
+            raise EngineError(NO_RADIO)
 
     def _answer(self) -> None:
         """Send the programs their models' answers, when these are due."""
-        for program, told in self._models.due(real_clock.monotonic_ns()):
+        for program, told in self._answerer.due(real_clock.monotonic_ns()):
             with contextlib.suppress(HostDied, HostHung):
                 program.link.send(Answers((told,)))
 
@@ -362,17 +387,17 @@ class LiveHosts:
                     program.topics |= {e.topic for e in frame.endpoints if e.kind == "publisher"}
                     if frame.endpoints:
                         self._asked += len(frame.endpoints)
-                        if self._asked > MAX_ENDPOINTS:  # the radio would choke on them
+                        if self._asked > MAX_ENDPOINTS:
                             raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
                         self._tell_radio(Meet(tuple(frame.endpoints)))
                 case Asking():
                     for question in frame.asked:
-                        self._models.ask(question, real_clock.monotonic_ns(), program)
+                        self._answerer.ask(question, real_clock.monotonic_ns(), program)
                 case Ended():
                     program.ended = frame
         stopped = program.start.stop is not None and program.start.stop <= self.now()
         if program.over and not stopped and not self._others_go_on(program):
-            raise Over
+            raise self.Over
 
     def _others_go_on(self, program: Program) -> bool:
         """Return whether a program that has ended was one of several that are spared."""
