@@ -31,7 +31,7 @@ from grader.course.exercises import find_exercise
 from grader.course.submission import Submission
 from grader.launchers import fork_server
 from grader.trial.virtual_time import run_trial
-from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time import ForkServer
 from sim.caster import Caster, static_faces
 from sim.layout import Layout
 from sim.lidar import PROFILES

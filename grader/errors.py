@@ -5,13 +5,13 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator
 
-from rclpy_virtual_time.link.errors import DiskFull, is_disk_full
-from rclpy_virtual_time.link.errors import (
-    EngineError as GraderError,  # the grader's fault, or the machine's
-)
+from rclpy_virtual_time import DiskFull
+from rclpy_virtual_time import EngineError as GraderError  # the grader's fault, or the machine's
 from sim.errors import InputError
 
 __all__ = ["DiskFull", "GraderError", "InputError", "is_disk_full", "naming_a_full_disk"]
+
+is_disk_full = DiskFull.caused
 
 
 @contextlib.contextmanager

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from grader.errors import InputError
-from rclpy_virtual_time.link import choice
-from rclpy_virtual_time.link.errors import NoRos
-from rclpy_virtual_time.link.pool import ForkServerPool
-from rclpy_virtual_time.link.practice import PracticeServer
-from rclpy_virtual_time.link.ros_environment import RosEnvironment
+from rclpy_virtual_time import NoRos, PracticeServer, RosEnvironment
+from rclpy_virtual_time import start_launcher as start_engine
 from sim.messages import EPOCH_NS
 from sim.sensors import SENSORS
 
 if TYPE_CHECKING:
-    from rclpy_virtual_time.link.hosts import ForkServer
+    from rclpy_virtual_time import ForkServer
 
 ADVICE = "grader.advice:Advisor"
 HOSTED = (  # what hosts of nodes need: of the course, whose files they can't read; sensors' types
@@ -45,7 +42,7 @@ def fork_server(
     InputError
         There is no ROS 2.
     """
-    from rclpy_virtual_time.link.hosts import ForkServer  # noqa: PLC0415
+    from rclpy_virtual_time import ForkServer  # noqa: PLC0415
 
     with _asking_for_ros():
         return ForkServer(EPOCH_NS, ros, libraries=(*HOSTED, *libraries), **COURSE, **options)
@@ -64,7 +61,62 @@ def start_launcher(
         There is neither.
     """
     with _asking_for_ros():
-        return choice.start_launcher(EPOCH_NS, (*HOSTED, *libraries), portable=portable, **COURSE)
+        return start_engine(EPOCH_NS, (*HOSTED, *libraries), portable=portable, **COURSE)
+
+
+class ForkServerPool:
+    """Fork servers by the libraries that they have imported; each starts when first asked for.
+
+    Used by one thread at a time.
+
+    Parameters
+    ----------
+    start
+        Starts one that has imported these modules.
+    most
+        How many may be warm at once; the one that has waited longest goes first. None: any number.
+    """
+
+    def __init__(
+        self,
+        start: Callable[[tuple[str, ...]], ForkServer | PracticeServer],
+        most: int | None = None,
+    ) -> None:
+        self._start = start
+        self._most = most
+        self._warm: dict[
+            tuple[str, ...], ForkServer | PracticeServer
+        ] = {}  # the one used last is the last
+
+    def __enter__(self) -> ForkServerPool:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def of(self, libraries: tuple[str, ...] = ()) -> ForkServer | PracticeServer:
+        """Return a launcher that has imported these modules: a fork server, where there can be one.
+
+        Raises
+        ------
+        EngineError
+            It can't be started.
+        """
+        forkserver = self._warm.pop(libraries, None)
+        if forkserver is None:
+            while self._most is not None and len(self._warm) >= self._most:
+                self._end(next(iter(self._warm)))
+            forkserver = self._start(libraries)
+        self._warm[libraries] = forkserver
+        return forkserver
+
+    def close(self) -> None:
+        """End all launchers: at the end, or after a fault that leaves their state unknown."""
+        while self._warm:
+            self._end(next(reversed(self._warm)))
+
+    def _end(self, libraries: tuple[str, ...]) -> None:
+        self._warm.pop(libraries).__exit__()
 
 
 def launcher_pool(most: int | None = None) -> ForkServerPool:
@@ -82,7 +134,7 @@ def _asking_for_ros() -> Iterator[None]:
 
 def why_no_class(*, trust: bool) -> str:
     """Say why a class can't be graded on this machine; "" if it can, or if `trust` lets it."""
-    reason = choice.why_not_linux()
+    reason = PracticeServer.why_needed()
     if not reason:
         return ""
     if not hasattr(os, "fork") or not os.path.isdir("/proc"):  # noqa: PTH112

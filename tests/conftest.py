@@ -15,10 +15,9 @@ from typing import Any
 import pytest
 
 from grader.course.exercises import ROOT
-from grader.launchers import launcher_pool
+from grader.launchers import ForkServerPool, launcher_pool
 from grader.trial.kept import RECORDINGS, KeptRecordings
 from rclpy_virtual_time.link.hosts import ForkServer
-from rclpy_virtual_time.link.pool import ForkServerPool
 
 MadeOnce = Callable[[str, Callable[[Path], object]], Path]
 # jsonschema builds 38 grammars for IRIs where it finds this, 1.7 s in each worker

@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from grader.advice import deaths, hints, slips
-from rclpy_virtual_time.host.advice import Advice
+from rclpy_virtual_time import Advice
 
 
 class Advisor(Advice):

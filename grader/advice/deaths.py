@@ -36,7 +36,7 @@ from typing import Any
 from grader.advice import hints
 from grader.advice.message_words import field_of
 from grader.advice.plain_words import plain_words
-from rclpy_virtual_time.host.wire import steady
+from rclpy_virtual_time import Advice
 
 MAX_FRAMES = 4
 MAX_VALUES = 6  # of a frame
@@ -364,4 +364,4 @@ def _said(error: BaseException) -> str:
         text = "".join(traceback.format_exception_only(error))
     except Exception:
         text = type(error).__name__
-    return steady(" ".join(text.split()).partition(SIGNATURES)[0])[:MAX_SAID]
+    return Advice.steady(" ".join(text.split()).partition(SIGNATURES)[0])[:MAX_SAID]

@@ -18,13 +18,7 @@ from pathlib import PurePath
 from typing import Any
 
 from grader.advice.plain_words import INSTEAD
-from rclpy_virtual_time.host import imports
-from rclpy_virtual_time.host.sandbox.amounts import (
-    MAX_FOLDER,
-    MAX_FOLDER_FILES,
-    MAX_MEMORY,
-    MAX_PROCESSES,
-)
+from rclpy_virtual_time import Advice
 
 DISTRO = "jazzy"
 
@@ -52,11 +46,14 @@ INTERFACES = re.compile(r"\w+_(msgs|srvs|interfaces|actions?)")
 PROCESSES = "a node is one process here and may start no other: let a thread do it, or do without"
 NETWORK = "a node has no network here: what it needs has to lie in a file beside it"
 FILES = "a node may use the files in its own folder only, besides the libraries that it imports"
-SPACE = f"a node's folder holds {MAX_FOLDER >> 20} MiB in {MAX_FOLDER_FILES:,} files, and is full"
-MEMORY = f"a node may use {MAX_MEMORY >> 30} GiB of memory here, and this would be more"
+SPACE = (
+    f"a node's folder holds {Advice.MAX_FOLDER >> 20} MiB in {Advice.MAX_FOLDER_FILES:,} files, "
+    "and is full"
+)
+MEMORY = f"a node may use {Advice.MAX_MEMORY >> 30} GiB of memory here, and this would be more"
 THREADS = (
-    f"a node may have {MAX_PROCESSES} threads and {MAX_MEMORY >> 30} GiB of memory here, of which "
-    "each thread takes 8 MiB"
+    f"a node may have {Advice.MAX_PROCESSES} threads and {Advice.MAX_MEMORY >> 30} GiB of memory "
+    "here, of which each thread takes 8 MiB"
 )
 OUT_OF_MEMORY = re.compile(r"bad_alloc|can't allocate memory|cannot allocate memory", re.IGNORECASE)
 KEYBOARD = (
@@ -109,7 +106,7 @@ STARTS = re.compile(r"\b(fork|forkpty|posix_spawnp?|spawn[lv]p?e?|exec[lv]p?e?)\
 
 def hint(error: BaseException) -> str:
     """Return advice on an exception, in a sentence; "" for an exception of the program's own."""
-    if file := imports.host.hiding_file(error):
+    if file := Advice.hiding_file(error):
         return _hiding(PurePath(file))
     if isinstance(error, ModuleNotFoundError):
         name = (error.name or "").partition(".")[0]

@@ -26,7 +26,7 @@ from grader.errors import GraderError
 from grader.launchers import fork_server
 from grader.recording import Recording
 from grader.recording.training import ModelAnswers
-from rclpy_virtual_time.link.ros_environment import find_ros, portable_ros
+from rclpy_virtual_time import RosEnvironment
 
 Digests = dict[str, dict[str, str]]  # claim → scenario → digest; and its verdict
 VERDICT = "verdict"  # in the place of a scenario's name
@@ -62,7 +62,7 @@ def main(arguments: list[str]) -> int:
 
 
 def _digests(claim: Claim, *, portable: bool) -> dict[str, str]:
-    ros = portable_ros() if portable else find_ros()
+    ros = RosEnvironment.portable() if portable else RosEnvironment.find()
     with fork_server(ros, libraries=claim.exercise.libraries) as server:
         try:
             grading = grade_claim(claim, server)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
@@ -11,11 +10,9 @@ from functools import cache, partial
 
 from grader.claims.claims import Claim, grade_claim
 from grader.grading.grading import Grading
-from grader.launchers import launcher_pool
+from grader.launchers import ForkServerPool, launcher_pool
+from grader.processes import end_with_parent, own_processes
 from grader.trial.kept import KeptRecordings
-from rclpy_virtual_time.host.sandbox.kernel_filters import die_with_parent
-from rclpy_virtual_time.link.interpreter import own_processes
-from rclpy_virtual_time.link.pool import ForkServerPool
 
 # Claims of a process; then others take over, and the memory is free. (The executor's own
 # max_tasks_per_child deadlocks in CPython 3.11: python/cpython#115634.)
@@ -40,9 +37,7 @@ def gradings(
     graded = partial(_graded, kept=kept)
     at_once = PER_PROCESS * workers
     for begin in range(0, len(claims), at_once):
-        with ProcessPoolExecutor(
-            workers, own_processes(), die_with_parent, (os.getpid(),)
-        ) as processes:
+        with ProcessPoolExecutor(workers, own_processes(), end_with_parent) as processes:
             yield from processes.map(graded, claims[begin : begin + at_once])
 
 

@@ -21,7 +21,7 @@ from grader.drive import arguments_of, drive_node, scenario_for
 from grader.errors import InputError
 from grader.launchers import fork_server
 from grader.report.page import page_html, page_payload
-from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time import ForkServer
 
 COMMAND = argparse.ArgumentParser("course drive")  # the options that a page has use for
 COMMAND.add_argument("file")

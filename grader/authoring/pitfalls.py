@@ -35,7 +35,7 @@ from grader.recording import Recording
 from grader.report.page import GENERATED_BY, page_html, replay_payload
 from grader.report.terminal import printed
 from grader.trial.virtual_time import run_trial
-from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time import ForkServer
 from sim.scenario_files import load_scenario
 
 FOLDER = ROOT / "lessons" / "pitfalls"

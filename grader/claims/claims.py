@@ -22,7 +22,7 @@ from grader.course.installed import why_not
 from grader.course.submission import Submission, find_submission
 from grader.grading.grading import Grading, grade_submission
 from grader.trial.kept import KeptRecordings
-from rclpy_virtual_time.link.launcher import Launcher
+from rclpy_virtual_time import Launcher
 
 
 @dataclass(frozen=True)

@@ -31,16 +31,15 @@ from grader.course.exercises import Exercise, find_exercise
 from grader.course.students import read_secret, student_key
 from grader.course.submission import MAX_SIZE, read_regular_file
 from grader.errors import GraderError, InputError
-from grader.grading.handed_in import layers_here
+from grader.grading.handed_in import launcher_here
 from grader.grading.trying import why_none_runs
 from grader.lms.clean import one_line
 from grader.lms.gradescope import SEEN, results_json
 from grader.lms.names import student_id
+from grader.lms.unpack import OF_CLASS
+from grader.report.echo import echo
 from grader.report.page import json_text
-from rclpy_virtual_time.host.sandbox.layers import FILES, USER
-from rclpy_virtual_time.link.cell import CLASS, Refused, read_in_cell
-from rclpy_virtual_time.link.foreign import echo
-from rclpy_virtual_time.link.scratch import fresh_folder
+from rclpy_virtual_time import FileReader, fresh_folder
 
 SETTINGS = "autograder.json"  # written by grader.authoring.gradescope
 SECRET = "course.secret"
@@ -86,7 +85,7 @@ def judged(root: Path) -> dict[str, Any] | str:
 
     Raises GraderError, InputError: nothing can be judged here.
     """
-    if not {FILES, USER} & set(layers_here()):
+    if not launcher_here().guards_files:
         raise GraderError(
             "nothing keeps a node from the results here; expected to run as root, or Linux with "
             "Landlock"
@@ -166,8 +165,8 @@ def submitter(metadata: Path) -> str:
     Of a group the first by Gradescope's number, the same at each submission.
     """
     try:
-        return student_id(read_in_cell(name_in, file=metadata, returns=str, limits=CLASS))
-    except (OSError, Refused):
+        return student_id(OF_CLASS.read(name_in, file=metadata, returns=str))
+    except (OSError, FileReader.Refused):
         return "unnamed"  # a try run without a student
 
 

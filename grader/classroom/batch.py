@@ -27,7 +27,7 @@ from grader.classroom.results.sources import SOURCES, write_course, write_source
 from grader.classroom.results.write import Written
 from grader.classroom.row import StoredResult
 from grader.errors import InputError, naming_a_full_disk
-from rclpy_virtual_time.link.scratch import sweep
+from rclpy_virtual_time import sweep
 
 NO_SPACE = (
     "the disk is full, so the batch has stopped. Free some space where {out} is, and in "

@@ -29,7 +29,7 @@ from grader.cli import (
 from grader.cli.gone import what_replaces
 from grader.cli.results import FAULT, LESS
 from grader.errors import GraderError, InputError
-from rclpy_virtual_time.link.foreign import echo
+from grader.report.echo import echo
 
 GRADER = Path(__file__).resolve().parents[1]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from rclpy_virtual_time.link.foreign import echo
+from grader.report.echo import echo
 
 STARTS = """\b
 Examples:

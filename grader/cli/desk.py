@@ -9,7 +9,7 @@ import click
 
 from grader.cli.results import FULL
 from grader.errors import InputError
-from rclpy_virtual_time.link.foreign import echo
+from grader.report.echo import echo
 
 NO_LIBRARY = "the desk needs a library: pip install tornado (or the course with the extra desk)"
 EXAMPLES = """\b

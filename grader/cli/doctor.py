@@ -15,9 +15,9 @@ def doctor() -> int:
     runs here.
     """
     from grader.report.terminal import Console  # noqa: PLC0415
-    from rclpy_virtual_time.link.choice import why_not_linux  # noqa: PLC0415
+    from rclpy_virtual_time import PracticeServer  # noqa: PLC0415
 
-    reason = why_not_linux()
+    reason = PracticeServer.why_needed()
     if reason:
         from grader.report.diagnosis import render_practice  # noqa: PLC0415
 
@@ -25,9 +25,9 @@ def doctor() -> int:
         return 1
     from grader.grading.trying import imports_that_fail, why_none_runs  # noqa: PLC0415
     from grader.report.diagnosis import render_diagnosis  # noqa: PLC0415
-    from rclpy_virtual_time.link.doctor import diagnose  # noqa: PLC0415
+    from rclpy_virtual_time import Diagnosis  # noqa: PLC0415
 
-    found = diagnose()
+    found = Diagnosis.of_this_machine()
     if not found.problem:
         found = dataclasses.replace(found, problem=why_none_runs())
     if not found.problem:

@@ -14,11 +14,11 @@ from grader.cli.given import as_files, wanted_in
 from grader.cli.results import FULL, LESS, check_writable, write_report
 from grader.cli.start import portable_option, start_forkserver
 from grader.errors import InputError
-from rclpy_virtual_time.link.foreign import echo
+from grader.report.echo import echo
 
 if TYPE_CHECKING:
     from grader.recording import Recording
-    from rclpy_virtual_time.link.launcher import Launcher
+    from rclpy_virtual_time import Launcher
 
 EXAMPLES = """\b
 Examples:

@@ -11,7 +11,7 @@ from typing import TypeVar
 from grader.course.beside import beside
 from grader.course.submission import is_package
 from grader.errors import InputError
-from rclpy_virtual_time.link.scratch import fresh_folder
+from rclpy_virtual_time import fresh_folder
 
 NOTEBOOK = ".ipynb"
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")

@@ -11,7 +11,7 @@ import click
 
 from grader.cli.results import FAULT, FULL
 from grader.errors import InputError
-from rclpy_virtual_time.link.foreign import echo
+from grader.report.echo import echo
 
 if TYPE_CHECKING:
     from grader.classroom.amendments.change import Change

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from grader.cli.results import FULL
-from rclpy_virtual_time.link.foreign import echo
+from grader.report.echo import echo
 
 EXAMPLES = """\b
 Examples:

@@ -9,7 +9,7 @@ import click
 
 from grader.cli.results import FULL
 from grader.errors import InputError
-from rclpy_virtual_time.link.foreign import echo
+from grader.report.echo import echo
 
 EXAMPLES = """\b
 Examples:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from grader.cli.results import FULL, JSON_STDOUT
-from rclpy_virtual_time.link.foreign import write
+from grader.report.echo import write
 
 if TYPE_CHECKING:
     from grader.classroom.amendments.log import Entry

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from grader.errors import InputError
-from rclpy_virtual_time.link.foreign import echo, write
+from grader.report.echo import echo, write
 
 if TYPE_CHECKING:
     from grader.grading.grading import Grading

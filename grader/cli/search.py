@@ -10,7 +10,7 @@ import click
 from grader.cli.given import one_of
 from grader.cli.results import FULL, LESS, check_writable, write_report
 from grader.cli.start import portable_option, start_forkserver
-from rclpy_virtual_time.link.foreign import echo
+from grader.report.echo import echo
 
 EXAMPLES = """\b
 Examples:

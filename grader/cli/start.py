@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from rclpy_virtual_time.link.hosts import ForkServer
-    from rclpy_virtual_time.link.practice import PracticeServer
+    from rclpy_virtual_time import ForkServer, PracticeServer
 
 portable_option = click.option(
     "--portable", is_flag=True, help="Practice without ROS and without isolation, as on any system."

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import msgspec
 
-from rclpy_virtual_time.host.frames import Name, Text
+from grader.hosted.fields import Name, Text
 
 READ = "grader.colcon.packages:carry_out"  # the task
 

@@ -29,7 +29,7 @@ import msgspec
 from grader.advice import hints
 from grader.colcon import launch_files
 from grader.colcon.frames import Executable, Launched, PackageRead, ReadPackage
-from rclpy_virtual_time.host.wire import sendable
+from grader.hosted.fields import sendable
 
 ENTRY = re.compile(r"\s*([^=\s]+)\s*=\s*([\w.]+)\s*:\s*([\w.]+)\s*(?:\[.*\])?\s*")
 INSTALL = re.compile(

@@ -7,7 +7,7 @@ import platform
 from collections.abc import Iterable
 
 from grader.errors import GraderError
-from rclpy_virtual_time.link import system
+from rclpy_virtual_time import RosEnvironment
 
 COURSE = "rclpy-agents-course"
 OPTIONAL = {  # module: its usual name, and its distribution
@@ -47,7 +47,7 @@ def _is_installed(module: str) -> bool:
 
 def never_run() -> str:
     """Say that the course is untried on such a system; "" if it has run there."""
-    if system.is_tried():
+    if RosEnvironment.is_tried():
         return ""
     here = f"{platform.system()} on {platform.machine()}"
     return f"The course has never been run on {here} yet. Please tell what you see."

@@ -16,7 +16,7 @@ from pathlib import Path, PurePosixPath
 from grader.course.beside import MAX_BYTES, beside, listed
 from grader.course.untouched import untouched
 from grader.errors import InputError
-from rclpy_virtual_time.link.scratch import fresh_folder, open_regular_file
+from rclpy_virtual_time import fresh_folder, open_regular_file
 
 MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
 SHARE = "share/"  # what a package installs there lies elsewhere in it, too

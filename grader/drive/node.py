@@ -18,8 +18,7 @@ from grader.trial.packages import unpacked
 from grader.trial.seeds import mixed_seed
 from grader.trial.training import MAX_FILE
 from grader.trial.virtual_time import Limits, run_trial
-from rclpy_virtual_time.host.frames import MAX_KEYS, MAX_STDIN
-from rclpy_virtual_time.link.launcher import Launcher
+from rclpy_virtual_time import Launcher, Start
 from sim.lidar import PROFILES
 from sim.scenario import Scenario, ScriptEvent, Transforms
 from sim.scenario_files import load_scenario
@@ -136,8 +135,8 @@ def read_stdin(source: str | None) -> bytes:
     if source is None:
         return b""
     data = sys.stdin.buffer.read() if source == "-" else _content(Path(source), "--stdin")
-    if len(data) > MAX_STDIN:
-        raise InputError(f"--stdin {source}: {len(data)} bytes, expected at most {MAX_STDIN}")
+    if len(data) > Start.MAX_STDIN:
+        raise InputError(f"--stdin {source}: {len(data)} bytes, expected at most {Start.MAX_STDIN}")
     return data
 
 
@@ -152,8 +151,8 @@ def read_keys(text: str) -> bytes:
     if sys.platform == "win32" and text:
         raise InputError("--keys: Windows has no terminals of this kind; --stdin FILE works there")
     keys = ESCAPE.sub(lambda found: found[0].encode().decode("unicode_escape"), text).encode()
-    if len(keys) > MAX_KEYS:
-        raise InputError(f"--keys: {len(keys)} bytes, expected at most {MAX_KEYS}")
+    if len(keys) > Start.MAX_KEYS:
+        raise InputError(f"--keys: {len(keys)} bytes, expected at most {Start.MAX_KEYS}")
     return keys
 
 

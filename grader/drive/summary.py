@@ -14,7 +14,7 @@ from grader.recording import Recording, account_of, ended_of, growth_of
 from grader.recording.deaths import told_first
 from grader.recording.words import told_lines
 from grader.report.terminal import Console
-from rclpy_virtual_time.host.frames import NO_NODE
+from rclpy_virtual_time import Ended
 from sim.messages import CMD_VEL_TOPIC
 from sim.simulation import Truth
 
@@ -110,7 +110,7 @@ def event_lines(recording: Recording) -> list[str]:
     if not any(m.topic == CMD_VEL_TOPIC for m in recording.published):
         lines.append("the robot got no command: nothing was published on /cmd_vel")
     if recording.outcome.kind == "returned":
-        made_none = recording.outcome.text.endswith(NO_NODE)
+        made_none = recording.outcome.text.endswith(Ended.NO_NODE)
         silent = not any(line.level == "stdout" for line in recording.log)
         at_once = recording.outcome.at < AT_ONCE
         lines.append(NO_MAIN if made_none and silent and at_once else STAYS)

@@ -38,7 +38,7 @@ from grader.trial.kept import KeptRecordings
 from grader.trial.packages import unpacked
 from grader.trial.progress import OnProgress, ignore
 from grader.trial.trials import NodeTrials, TrialFault, Trials
-from rclpy_virtual_time.link.launcher import Launcher
+from rclpy_virtual_time import Launcher
 
 ATTEMPTS = 2
 SEE_CAUSE = "See the cause."

@@ -18,8 +18,7 @@ from grader.course.submission import find_submission
 from grader.errors import GraderError, InputError
 from grader.grading.grading import grade_submission
 from grader.launchers import launcher_pool
-from rclpy_virtual_time.link.doctor import foreign_code_problem
-from rclpy_virtual_time.link.scratch import fresh_folder
+from rclpy_virtual_time import ForkServer, PracticeServer, fresh_folder
 
 MAX_REASON = 600  # [characters]
 
@@ -28,8 +27,8 @@ _forkservers = launcher_pool(most=1)
 atexit.register(_forkservers.close)
 
 
-def layers_here() -> frozenset[str]:
-    """Return the layers of isolation that nodes have on this machine.
+def launcher_here() -> ForkServer | PracticeServer:
+    """Return what starts nodes on this machine.
 
     Raises
     ------
@@ -38,7 +37,7 @@ def layers_here() -> frozenset[str]:
     """
     with _one_at_a_time:
         try:
-            return frozenset(_forkservers.of().layers)
+            return _forkservers.of()
         except InputError as error:
             raise GraderError(str(error)) from None
 
@@ -51,7 +50,7 @@ def isolation_problem() -> str:
     GraderError
         No node can run here at all.
     """
-    return foreign_code_problem(layers_here())
+    return launcher_here().foreign_code
 
 
 def grade_files(
@@ -84,7 +83,7 @@ def grade_files(
     with _one_at_a_time:
         try:
             forkserver = _forkservers.of(exercise.libraries)
-            if not trust and (problem := foreign_code_problem(forkserver.layers)):
+            if not trust and (problem := forkserver.foreign_code):
                 raise GraderError(problem)
             with fresh_folder() as folder:
                 for name, data in files.items():

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from grader.recording import Recording, views
-from rclpy_virtual_time.host.frames import Note
+from rclpy_virtual_time import Note
 from sim.clearance import FARTHEST
 from sim.messages import CMD_VEL_TOPIC
 

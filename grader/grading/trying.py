@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 from grader.course import installed
 from grader.course.exercises import all_exercises
 from grader.errors import GraderError
 from grader.grading.handed_in import grade_files
 from grader.launchers import fork_server
-from rclpy_virtual_time.host.frames import Ended, Script
-from rclpy_virtual_time.link.exchange import HostDied, HostForged, HostHung
-from rclpy_virtual_time.link.hosts import ForkServer
-from rclpy_virtual_time.link.link import Link
-from rclpy_virtual_time.link.scratch import fresh_folder
-from rclpy_virtual_time.link.workplace import Excess
+from rclpy_virtual_time import (
+    Ended,
+    Excess,
+    ForkServer,
+    HostDied,
+    HostForged,
+    HostHung,
+    Link,
+    fresh_folder,
+)
 
 DIED = "the node died"  # a skeleton doesn't, unless ROS can't start here
 IMPORT_LIMIT = 120.0  # [s] from a cold disk
@@ -61,12 +66,12 @@ def _import(server: ForkServer, names: list[str]) -> str:
         file = folder / "imports.py"
         file.write_text("".join(f"import {name}\n" for name in names) + WORK, "utf-8")
         with server.workshop.host(folder) as link:
-            return _answer(link, Script(str(file), (), 0))
+            return _answer(link, file)
 
 
-def _answer(link: Link, script: Script) -> str:
+def _answer(link: Link, file: Path) -> str:
     try:
-        answer, _ = link.run_script(script, IMPORT_LIMIT)
+        answer, _ = link.run_script(file, (), 0, IMPORT_LIMIT)
     except HostHung:
         return f"it was not done after {IMPORT_LIMIT:.0f} s."
     except (HostDied, HostForged, Excess) as error:

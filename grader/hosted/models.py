@@ -13,8 +13,7 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 
-from rclpy_virtual_time.host.frames import Name, Text
-from rclpy_virtual_time.host.wire import MAX_LINE, sendable
+from grader.hosted.fields import MAX_LINE, Name, Text, sendable
 
 LOAD, PREDICT = "grader.hosted.models:load", "grader.hosted.models:predict"  # the tasks
 FEATURES = 5

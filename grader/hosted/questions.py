@@ -6,8 +6,8 @@ from typing import Annotated
 
 import msgspec
 
-from rclpy_virtual_time.host.desk import desk
-from rclpy_virtual_time.host.frames import Name, Nanoseconds, Text
+from grader.hosted.fields import Name, Nanoseconds, Text
+from rclpy_virtual_time import ask_judge
 
 MAX_ROWS = 1_000  # of features in one question
 MAX_COLUMNS = 64  # features in a row
@@ -39,4 +39,4 @@ class Told(msgspec.Struct, array_like=True, frozen=True):
 
 def ask(question: Question) -> Told:
     """Ask the judge, and wait for the answer: programs call this."""
-    return msgspec.msgpack.decode(desk.ask(msgspec.msgpack.encode(question)), type=Told)
+    return msgspec.msgpack.decode(ask_judge(msgspec.msgpack.encode(question)), type=Told)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from rclpy_virtual_time.link.foreign import ESCAPES, readable
+from rclpy_virtual_time import readable
 
 MAX_NAME = 120  # [characters] of a name on a page
 
@@ -40,5 +40,5 @@ def cell(text: object) -> str:
 
     Tabs and line ends, which may begin one too, become spaces. Source: OWASP, "CSV Injection".
     """
-    line = " ".join(_UNSEEN.sub("", ESCAPES.sub("", str(text))).split())
+    line = " ".join(_UNSEEN.sub("", readable(str(text))).split())
     return "'" + line if line.startswith(_FORMULA) and not _FIGURE.fullmatch(line) else line

@@ -23,8 +23,9 @@ from grader.lms.clean import one_line, visible
 from grader.lms.people import EMAIL, Match, Roster, each_once, folded
 from grader.lms.platform import Entry, Platform, Read, SetAside, Who, by_key, by_name
 from grader.lms.told import LONGEST, microseconds
+from grader.lms.unpack import OF_CLASS
 from grader.report.facts import UNJUDGED
-from rclpy_virtual_time.link.cell import CLASS, Refused, read_in_cell
+from rclpy_virtual_time import FileReader
 
 METADATA = "submission_metadata.yml"
 MAX_METADATA = 64 * 1024 * 1024  # [bytes]: it holds the results of every submission
@@ -79,8 +80,8 @@ class _Submission:
 
 def _metadata(file: Path) -> dict[str, _Submission]:
     try:
-        return read_in_cell(submissions_in, file=file, returns=dict[str, _Submission], limits=CLASS)
-    except (OSError, Refused) as error:
+        return OF_CLASS.read(submissions_in, file=file, returns=dict[str, _Submission])
+    except (OSError, FileReader.Refused) as error:
         raise InputError(
             f"{file}: expected Gradescope's metadata ({error}); export the submissions again"
         ) from None
@@ -89,12 +90,12 @@ def _metadata(file: Path) -> dict[str, _Submission]:
 def submissions_in(file: IO[bytes]) -> dict[str, _Submission]:
     """Return what the metadata say of each folder.
 
-    Raises Refused: they are no metadata.
+    Raises FileReader.Refused: they are no metadata.
     """
     loader = getattr(yaml, "CBaseLoader", yaml.BaseLoader)  # 0012 is a number of a student's
     known = yaml.load(file.read(MAX_METADATA).decode("utf-8"), loader)
     if not isinstance(known, Mapping):
-        raise Refused("a folder's name to a line each")
+        raise FileReader.Refused("a folder's name to a line each")
     return {str(name): _submission(about) for name, about in known.items()}
 
 

@@ -35,7 +35,8 @@ from grader.lms.people import (
     trailing,
     unquoted,
 )
-from rclpy_virtual_time.link.cell import CLASS, Broken, Refused, read_in_cell
+from grader.lms.unpack import OF_CLASS
+from rclpy_virtual_time import FileReader
 
 MAX_SHEET = 20 * 1024 * 1024  # [bytes]
 MAX_ROWS = 20_000
@@ -156,14 +157,12 @@ Lines = list[tuple[str, ...]]
 def _read(file: Path) -> tuple[str, tuple[str, ...], Lines, tuple[str, ...]]:
     """Return a file's kind, headings and rows, and the headings in English if they aren't."""
     try:
-        lines = read_in_cell(
-            lines_in, file=file.resolve(), returns=list[tuple[str, ...]], limits=CLASS
-        )
+        lines = OF_CLASS.read(lines_in, file=file.resolve(), returns=list[tuple[str, ...]])
     except OSError as error:
         raise InputError(f"{file}: cannot read the roster ({error.strerror})") from None
-    except Broken as error:
+    except FileReader.Broken as error:
         raise InputError(f"{file}: a broken CSV ({error}); {HELP}") from None
-    except Refused as error:
+    except FileReader.Refused as error:
         raise InputError(f"{file}: {error}; {HELP}") from None
     header = tuple(heading.strip() for heading in lines[0])
     rows = [(*line, *[""] * len(header))[: len(header)] for line in lines[1:]]
@@ -177,17 +176,17 @@ def _read(file: Path) -> tuple[str, tuple[str, ...], Lines, tuple[str, ...]]:
 def lines_in(file: IO[bytes]) -> list[list[str]]:
     """Return the rows of a CSV, no longer than its first, the headings.
 
-    Raises Refused: it is too large, or empty.
+    Raises FileReader.Refused: it is too large, or empty.
     """
     data = file.read(MAX_SHEET + 1)
     if len(data) > MAX_SHEET:
-        raise Refused(f"over {MAX_SHEET:,} bytes")
+        raise FileReader.Refused(f"over {MAX_SHEET:,} bytes")
     lines = list(islice(_rows(decoded(data)), MAX_ROWS + 1))
     if not lines or len(lines) > MAX_ROWS:
-        raise Refused(f"{len(lines):,} lines")
+        raise FileReader.Refused(f"{len(lines):,} lines")
     columns = len(lines[0])
     if columns * len(lines) > MAX_CELLS:
-        raise Refused(f"{len(lines):,} lines of {columns:,} columns")
+        raise FileReader.Refused(f"{len(lines):,} lines of {columns:,} columns")
     return [line[:columns] for line in lines]
 
 

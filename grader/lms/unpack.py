@@ -19,7 +19,7 @@ from typing import IO, Any
 
 from grader.errors import is_disk_full
 from grader.lms.names import may_enter
-from rclpy_virtual_time.link.cell import CLASS, ONE, Refused, read_in_cell
+from rclpy_virtual_time import FileReader
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
 # Recognised and not unpacked. A 7z's header chooses how much memory its decoder takes, up to 4 GiB,
@@ -42,6 +42,9 @@ UTF_8 = 0x800  # flag of a zip's member: its name is UTF-8, else code page 437, 
 LINK = "a link, which is not followed"
 MOST_ODD = 1_000  # that are told
 NAME = 200  # [characters] of a name that is told
+
+# a platform's file of a whole class
+OF_CLASS = FileReader(memory=1024 << 20, cpu=900, file=1024 << 20, answer=64 << 20)
 
 Odd = tuple[str, str]  # a member's name, and what is odd about it
 
@@ -68,7 +71,7 @@ def unpack(archive: Path, room: Path, *, of_class: bool = False) -> list[Odd]:
     Of a class's, files that are too long are cut off, and those with impossible names left out:
     nobody's can keep out the others.
 
-    Raises Refused: it is locked, a trap, or broken.
+    Raises FileReader.Refused: it is locked, a trap, or broken.
     """
     many = MANY if of_class else 1
     size = stream = many * MAX_UNPACKED
@@ -77,9 +80,10 @@ def unpack(archive: Path, room: Path, *, of_class: bool = False) -> list[Odd]:
     depth, cut = (MAX_DEPTH + 3, CUT) if of_class else (MAX_DEPTH + 1, None)
     room.mkdir(parents=True, exist_ok=True)
     suffix = archive.name.lower().rpartition(".")[2]
-    return read_in_cell(
+    reader = OF_CLASS if of_class else FileReader()
+    return reader.read(
         unpack_here, suffix, size, 2 * stream, many * MAX_MEMBERS, depth, cut,
-        file=archive, room=room, returns=list[Odd], limits=CLASS if of_class else ONE,
+        file=archive, room=room, returns=list[Odd],
     )  # fmt: skip
 
 
@@ -127,7 +131,7 @@ def _write(
                 odd.append((name, "twice in the archive; the first counts"))
                 continue
             target.touch()
-        except (Refused, OSError) as error:
+        except (FileReader.Refused, OSError) as error:
             if cut is None or is_disk_full(error):
                 raise
             why = str(error)  # one can't keep out the others
@@ -158,19 +162,21 @@ class _Allowance:
         self._left -= size
         if self._left < 0:
             most = max(self.size, MAX_UNPACKED) // 2**20
-            raise Refused(f"over {most:,} MiB, or far larger unpacked than packed; not unpacked")
+            raise FileReader.Refused(
+                f"over {most:,} MiB, or far larger unpacked than packed; not unpacked"
+            )
 
     def member(self) -> None:
         self._members -= 1
         if self._members < 0:
-            raise Refused(f"over {self._most:,} files; not unpacked")
+            raise FileReader.Refused(f"over {self._most:,} files; not unpacked")
 
 
 def _inside(room: Path, name: str, depth: int) -> Path | None:
     """Return where a member is unpacked to; None if it is skipped."""
     parts = PurePosixPath(name.replace("\\", "/")).parts
     if not parts or parts[0] == "/" or ".." in parts or re.match(r"^[A-Za-z]:", name):
-        raise Refused(f"holds {name[:80]!r}, which points outside of it; not unpacked")
+        raise FileReader.Refused(f"holds {name[:80]!r}, which points outside of it; not unpacked")
     if not all(map(may_enter, parts)) or len(parts) > depth:
         return None
     return room.joinpath(*parts)
@@ -184,9 +190,9 @@ def _zip(
         for _ in members:
             left.member()
         if any(member.flag_bits & 1 for member in members):
-            raise Refused("locked with a password; ask for one without")
+            raise FileReader.Refused("locked with a password; ask for one without")
         if any(member.compress_type not in READ for member in members):
-            raise Refused("packed by a rare method; ask for an ordinary zip (“deflate”)")
+            raise FileReader.Refused("packed by a rare method; ask for an ordinary zip (“deflate”)")
         for member in members:
             mode = stat.S_IFMT(member.external_attr >> 16)
             if mode == stat.S_IFLNK:
@@ -222,7 +228,7 @@ def _tar(
 
 
 class _Counted(io.RawIOBase):
-    """A stream that raises `Refused` when the allowance is used up: a tar.gz may be endless."""
+    """A stream that is refused when the allowance is used up: a tar.gz may be endless."""
 
     def __init__(self, stream: IO[bytes], left: _Allowance) -> None:
         self._stream = stream

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from grader.errors import GraderError
-from rclpy_virtual_time.link.settings import LEARNING, NO_GPU
+from rclpy_virtual_time import PracticeServer
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND = (sys.executable, "-s", "-B", "-X", "utf8", "-m", "grader.models.formats")
@@ -65,7 +65,7 @@ class Exporter:
 
     def _started(self) -> subprocess.Popen[str]:
         if self._process is None:
-            environment = {**os.environ, **NO_GPU, **LEARNING, "OMP_NUM_THREADS": "1"}
+            environment = {**os.environ, **PracticeServer.SAME_RUNS}
             environment.pop("PYTHONSAFEPATH", None)  # ROOT is on its path
             self._process = subprocess.Popen(
                 COMMAND,

@@ -11,9 +11,9 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 
+from grader.hosted.fields import MAX_TEXT
 from grader.hosted.questions import Question, Told
 from grader.recording.inferences import Inference
-from rclpy_virtual_time.host.frames import MAX_TEXT
 from sim.faults import sensor_rng
 from sim.messages import EPOCH_NS
 from sim.scenario import ProgramSpec, Scenario

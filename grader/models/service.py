@@ -22,9 +22,9 @@ from grader.models.arrived import Arrived
 from grader.models.files import is_kept, probe
 from grader.models.partners import SERVICE, TURN, Partners
 from grader.recording.inferences import Inference
-from rclpy_virtual_time.host import frames
-from rclpy_virtual_time.host.frames import MAX_QUESTIONS
-from rclpy_virtual_time.link.exchange import decoded
+from rclpy_virtual_time import HostForged, Settled
+from rclpy_virtual_time import Question as Asked
+from rclpy_virtual_time import Told as Answer
 from sim.faults import sensor_rng
 from sim.messages import Message
 from sim.scenario import Scenario
@@ -33,6 +33,7 @@ MAX_ASKED = 20_000  # questions in one trial
 MOST_ROWS = 50_000  # of features in all of them: checks compare each command with each prediction
 SPREAD = 0.04  # by which the times of a model that has several differ between students
 DECODER = msgspec.msgpack.Decoder(Question)
+MAX_REASON = 300  # [characters] of why a question was refused: it may quote the question
 IN_START_UP = -1  # [ns] when a question was asked before the scenario
 
 
@@ -60,7 +61,7 @@ class ModelService:
     began: int | None = 0
     inferences: list[Inference] = field(default_factory=list)
     # due [ns], …, to whom
-    _owed: list[tuple[int, int, Any, frames.Told]] = field(default_factory=list)
+    _owed: list[tuple[int, int, Any, Answer]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self._models = {
@@ -72,13 +73,13 @@ class ModelService:
         self._loads = dict.fromkeys(self._models, 0)
         self._sequence = itertools.count()
         self._partners = Partners(self.scenario, self.seed)
-        self._early: list[tuple[frames.Question, Any]] = []  # turns before the scenario's start
+        self._early: list[tuple[Asked, Any]] = []  # turns before the scenario's start
         self._count = 0  # of questions
         self._rows = 0
 
     # --- asked while time goes by ----------------------------------------------------------------
 
-    def ask(self, asked: frames.Question, now: int, who: Any = None) -> None:
+    def ask(self, asked: Asked, now: int, who: Any = None) -> None:
         """Accept a question at a time [ns]; its answer is due later.
 
         Raises
@@ -90,8 +91,10 @@ class ModelService:
         """
         question = _question(asked)
         if question.method == TURN and self.began is None:
-            if len(self._early) == MAX_QUESTIONS:
-                raise TooManyQuestions(f"more than {MAX_QUESTIONS} programs that wait to ask")
+            if len(self._early) == Settled.MAX_QUESTIONS:
+                raise TooManyQuestions(
+                    f"more than {Settled.MAX_QUESTIONS} programs that wait to ask"
+                )
             self._early.append((asked, who))
             return
         told, took = self._answer(question, now)
@@ -102,7 +105,7 @@ class ModelService:
         """When the next answer is due [ns], if one is."""
         return self._owed[0][0] if self._owed else None
 
-    def due(self, now: int) -> list[tuple[Any, frames.Told]]:
+    def due(self, now: int) -> list[tuple[Any, Answer]]:
         """Return the answers that are due by now [ns], with whom they are for."""
         found = []
         while self._owed and self._owed[0][0] <= now:
@@ -129,7 +132,7 @@ class ModelService:
 
     # --- asked before time begins ----------------------------------------------------------------
 
-    def at_once(self, asked: frames.Question) -> frames.Told:
+    def at_once(self, asked: Asked) -> Answer:
         """Return the answer to a question of a start-up; it says how long the model takes."""
         told, took = self._answer(_question(asked), IN_START_UP)
         return _told(asked, told, wait=took)
@@ -217,10 +220,13 @@ class ModelService:
         return seconds * (1.0 + float(rng.uniform(-SPREAD, SPREAD)))
 
 
-def _question(asked: frames.Question) -> Question:
+def _question(asked: Asked) -> Question:
     """Decode a question; HostForged if it isn't one."""
-    return decoded(asked.data, DECODER.decode)
+    try:
+        return DECODER.decode(asked.data)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise HostForged(str(error)[:MAX_REASON]) from None
 
 
-def _told(asked: frames.Question, told: Told, wait: int = 0) -> frames.Told:
-    return frames.Told(asked.number, msgspec.msgpack.encode(told), wait)
+def _told(asked: Asked, told: Told, wait: int = 0) -> Answer:
+    return Answer(asked.number, msgspec.msgpack.encode(told), wait)

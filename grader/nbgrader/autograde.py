@@ -30,7 +30,7 @@ from grader.nbgrader.late import look_at_due_date
 from grader.nbgrader.marks import Mark, mark_of
 from grader.nbgrader.restore import ABOUT, Trusted, restored, unreadable
 from grader.nbgrader.table import output_of
-from rclpy_virtual_time.link.cell import Refused
+from rclpy_virtual_time import FileReader
 
 FILE = "course_file"  # in the resources: path of the submitted notebook
 NO_RESPONSE = "No response."  # nbgrader's own words
@@ -81,7 +81,7 @@ class RestoreCells(NbGraderPreprocessor):  # type: ignore[misc]
             trusted = trusted_cells(gradebook, place)
         try:
             return restored(read_cells(Path(resources[FILE])), trusted), resources
-        except Refused as problem:
+        except FileReader.Refused as problem:
             self.log.warning("%s of %s: %s", place.notebook, place.student, problem)
             return unreadable(str(problem), trusted), resources
 

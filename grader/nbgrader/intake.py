@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from grader.course.submission import MAX_SIZE
-from rclpy_virtual_time.link.cell import MIB, Limits, Refused, read_in_cell
+from rclpy_virtual_time import FileReader
 
 MAX_NOTEBOOK = 50 * 1024 * 1024  # [bytes], pictures and outputs included
 MAX_CELLS = 1_000
@@ -41,15 +41,15 @@ def read_cells(path: Path) -> list[Cell]:
 
     Raises
     ------
-    Refused
+    FileReader.Refused
         It is not a notebook, is too large, or is not an ordinary file.
     """
     try:
-        return read_in_cell(
-            cells_in, MAX_NOTEBOOK, file=path, returns=list[Cell], limits=Limits(answer=64 * MIB)
+        return FileReader(answer=64 << 20).read(
+            cells_in, MAX_NOTEBOOK, file=path, returns=list[Cell]
         )
     except OSError as error:
-        raise Refused(f"the file cannot be read ({error.strerror})") from None
+        raise FileReader.Refused(f"the file cannot be read ({error.strerror})") from None
 
 
 def cells_in(file: IO[bytes], most: int = MAX_NOTEBOOK) -> list[Cell]:
@@ -57,23 +57,23 @@ def cells_in(file: IO[bytes], most: int = MAX_NOTEBOOK) -> list[Cell]:
 
     Raises
     ------
-    Refused
+    FileReader.Refused
         It is not a notebook, or is too large.
     """
     data = file.read(most + 1)
     if len(data) > most:
-        raise Refused(f"the file is larger than {most:,} bytes; clear its outputs")
+        raise FileReader.Refused(f"the file is larger than {most:,} bytes; clear its outputs")
     if data.count(b"{") + data.count(b"[") > MAX_NESTED or data.count(b'"') > MAX_QUOTES:
-        raise Refused("it has far more parts than any notebook; clear its outputs")
+        raise FileReader.Refused("it has far more parts than any notebook; clear its outputs")
     try:
         text = data.decode("utf-8-sig", "replace")
         del data
         notebook = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise Refused(f"it is not JSON ({_short(error)})") from None
+        raise FileReader.Refused(f"it is not JSON ({_short(error)})") from None
     cells = list(islice(_cells(notebook), MAX_CELLS))
     if not cells:
-        raise Refused("it is not a notebook, or it has no cells")
+        raise FileReader.Refused("it is not a notebook, or it has no cells")
     return cells
 
 

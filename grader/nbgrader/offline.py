@@ -29,11 +29,11 @@ from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 from pygments.token import STANDARD_TYPES
 
 from grader.nbgrader.intake import PICTURES
-from rclpy_virtual_time.link.cell import MIB, Limits, Refused, read_in_cell
+from rclpy_virtual_time import FileReader
 
 TEMPLATES = Path(__file__).parent / "templates"
 MAX_FORMULA = 2_000  # [characters]; a longer one stays as it was typed
-LIMITS = Limits(cpu=2, answer=64 * MIB)  # of a notebook's cell
+READER = FileReader(cpu=2, answer=64 << 20)  # of a notebook's cell
 PAGE = 20.0  # [s] for the cells of a page; an honest notebook takes less than one
 TAG = 0.0002  # [s] that nbconvert takes for a tag of the page, in nbgrader's own process
 MAX_TAGS = 10_000
@@ -78,7 +78,7 @@ PASTED = tuple(f"data:{kind};base64," for kind in PICTURES)
 def sanitised(page: str) -> str:
     """Return HTML without anything that a browser would run, fetch, or take for the page's own.
 
-    Raises Refused: its tags are too many, or nested too deep.
+    Raises FileReader.Refused: its tags are too many, or nested too deep.
     """
     clean = nh3.clean(
         page,
@@ -103,10 +103,10 @@ class _Depth(HTMLParser):
     def handle_starttag(self, tag: str, attrs: object) -> None:
         self.count += 1
         if self.count > MAX_TAGS:
-            raise Refused(f"its HTML has more than {MAX_TAGS:,} tags")
+            raise FileReader.Refused(f"its HTML has more than {MAX_TAGS:,} tags")
         self.depth += tag not in EMPTY
         if self.depth > MAX_DEPTH:
-            raise Refused(f"its HTML is nested deeper than {MAX_DEPTH} tags")
+            raise FileReader.Refused(f"its HTML is nested deeper than {MAX_DEPTH} tags")
 
     def handle_endtag(self, tag: str) -> None:
         self.depth -= tag not in EMPTY
@@ -162,9 +162,9 @@ def _rendered(context: Any, work: Callable[..., str], source: str, *more: Any) -
     begin = time.monotonic()
     try:
         if spent > PAGE:
-            raise Refused(f"the page takes more than {PAGE:g} s")
-        made = read_in_cell(work, source, *more, returns=str, limits=LIMITS)
-    except Refused as refused:
+            raise FileReader.Refused(f"the page takes more than {PAGE:g} s")
+        made = READER.read(work, source, *more, returns=str)
+    except FileReader.Refused as refused:
         why = f"This cell is shown as it was typed: {refused}."
         made = f"<p><em>{escape(why)}</em></p><pre>{escape(source)}</pre>"
     if isinstance(page, dict):

@@ -21,7 +21,7 @@ from grader.course.exercises import ROOT
 from grader.errors import GraderError
 from grader.notebook.orders import Answer, Order, Progressed, Warm
 from grader.notebook.show import BEAT
-from rclpy_virtual_time.link.scratch import sweep
+from rclpy_virtual_time import sweep
 
 GRACE = 4.0  # [s] for an interrupted judge to end the nodes and exit
 CHUNK = 1 << 16  # [bytes]

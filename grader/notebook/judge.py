@@ -33,7 +33,7 @@ from grader.drive import (
 )
 from grader.errors import GraderError, InputError
 from grader.grading.grading import grade_submission
-from grader.launchers import launcher_pool
+from grader.launchers import ForkServerPool, launcher_pool
 from grader.notebook.answers import graded
 from grader.notebook.orders import (
     Answer,
@@ -48,8 +48,7 @@ from grader.notebook.orders import (
     Warm,
 )
 from grader.report.page import page_html, page_payload
-from rclpy_virtual_time.link.launcher import Launcher
-from rclpy_virtual_time.link.pool import ForkServerPool
+from rclpy_virtual_time import Launcher
 
 GRACE = 5.0  # [s] for an interrupted order to clean up
 

@@ -23,8 +23,7 @@ from grader.notebook.show import tell
 from grader.recording import Recording
 from grader.trial.page import PageTrials
 from grader.trial.progress import TRIAL, OnProgress, Step
-from rclpy_virtual_time.link.practice import PRACTICE
-from rclpy_virtual_time.link.settings import IN_BROWSER
+from rclpy_virtual_time import PracticeServer
 
 FOLDER = "/home/reader"  # of the node, in the worker
 PATIENCE = 30.0  # [s] without a word of a trial
@@ -274,8 +273,8 @@ def _grade(
         trials,
         file=order.shown,
         only=order.only,
-        isolation=IN_BROWSER,
-        practice=PRACTICE,
+        isolation=PracticeServer.IN_BROWSER,
+        practice=PracticeServer.practice,
         on_progress=on_step,
     )
     if trials.stopped is not None:

@@ -20,9 +20,7 @@ from pathlib import Path
 from grader.course.installed import COURSE, never_run
 from grader.notebook.program import run
 from grader.notebook.show import Progress
-from rclpy_virtual_time.link import system
-from rclpy_virtual_time.link.errors import NoRos
-from rclpy_virtual_time.link.ros_environment import PORTABLE, RosEnvironment, find_ros, portable_ros
+from rclpy_virtual_time import NoRos, RosEnvironment
 
 ROOT = Path(__file__).resolve().parents[2]
 CONSTRAINTS = ROOT / "constraints.txt"
@@ -55,30 +53,31 @@ def prepare_kernel() -> None:
     adopt(ros)
     said = f"Ready: {'installed ' + ', '.join(wanted) if wanted else 'everything is installed'}"
     print(f"{said}.", flush=True)
-    if ros.kind == PORTABLE:
-        from rclpy_virtual_time.link.practice import PRACTICE  # noqa: PLC0415  (needs what is installed now)
+    if ros.kind == RosEnvironment.PORTABLE:
+        from rclpy_virtual_time import PracticeServer  # noqa: PLC0415  (needs what is installed now)
 
-        said = f"{PRACTICE[0].upper()}{PRACTICE[1:]}. {never_run()}"
+        words = PracticeServer.practice
+        said = f"{words[0].upper()}{words[1:]}. {never_run()}"
         print(said.strip(), flush=True)
 
 
 def _ros() -> RosEnvironment:
     """Return the real ROS, or the portable one where there are no wheels of the real one."""
     try:
-        return find_ros()
+        return RosEnvironment.find()
     except NoRos:
-        if system.has_ros_wheels():
+        if RosEnvironment.has_wheels():
             raise
-        return portable_ros()
+        return RosEnvironment.portable()
 
 
 def missing() -> list[str]:
     """Return the requirements of a notebook that this Python lacks."""
     wanted = [one for one in (*required(), *required("ml"), "matplotlib") if not _is_here(one)]
     try:
-        find_ros()
+        RosEnvironment.find()
     except NoRos:
-        wanted += required("ros") if system.has_ros_wheels() else []
+        wanted += required("ros") if RosEnvironment.has_wheels() else []
     return wanted
 
 

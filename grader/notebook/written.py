@@ -11,8 +11,7 @@ from grader.nbgrader.cells import last_definitions
 from grader.nbgrader.intake import cells_in
 from grader.notebook.cells import MAGIC
 from grader.notebook.show import shell
-from rclpy_virtual_time.link.cell import Refused
-from rclpy_virtual_time.link.scratch import open_regular_file
+from rclpy_virtual_time import FileReader, open_regular_file
 
 MINUTE, HOUR, DAY = 60, 3600, 86_400  # [s]
 
@@ -44,7 +43,7 @@ def newer_cell(path: Path) -> str:
         own = read_regular_file(path, MAX_SIZE).decode("utf-8")
         with open_regular_file(notebook) as file:  # the student's own, in the student's process
             cells = [(cell.kind, cell.source) for cell in cells_in(file) if cell.kind == "code"]
-    except (OSError, UnicodeDecodeError, Refused):
+    except (OSError, UnicodeDecodeError, FileReader.Refused):
         return ""
     texts, _ = last_definitions(cells, [path.name])
     if texts.get(path.name, own) == own:

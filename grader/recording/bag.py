@@ -23,8 +23,7 @@ import numpy as np
 
 from grader.errors import GraderError, InputError
 from grader.recording import Compute, Endpoint, Inference, Live, Outcome, Recording, Training
-from rclpy_virtual_time.link.cell import MIB, Limits, read_in_cell
-from rclpy_virtual_time.link.log import LogLine
+from rclpy_virtual_time import FileReader, LogLine
 from sim.bag_qos import profile
 from sim.layout import layout_from_json, layout_to_json
 from sim.messages import (
@@ -60,8 +59,8 @@ FORMAT = 2
 MAX_TOPICS, MAX_TOPIC = 8, 60  # of a bag that is not of a trial; [characters]
 MAX_REASON = 300  # [characters] of why a bag can't be read
 STORAGES = (".mcap", ".db3")
-LIMITS = Limits(cpu=20, answer=96 * MIB)  # a node may publish 64 MiB
-MAX_DOCUMENT = 16 * MIB  # [bytes] of JSON; what is made of it takes many times as much
+READER = FileReader(cpu=20, answer=96 << 20)  # a node may publish 64 MiB
+MAX_DOCUMENT = 16 << 20  # [bytes] of JSON; what is made of it takes many times as much
 
 
 class _Document(msgspec.Struct, frozen=True):
@@ -124,9 +123,7 @@ def load(path: Path) -> Recording:
     messages: list[Message] = []
     try:
         for file in files:
-            messages = read_in_cell(
-                messages_in, file.suffix, file=file, returns=list[Message], limits=LIMITS
-            )
+            messages = READER.read(messages_in, file.suffix, file=file, returns=list[Message])
         if any(message.topic == TRIAL_TOPIC for message in messages):
             return _assemble(messages, str(folder))
     except GraderError:

@@ -14,7 +14,7 @@ import numpy as np
 from grader.recording.costs import lidar_period
 from grader.recording.recording import Endpoint, Recording
 from grader.recording.views import Floats
-from rclpy_virtual_time.host.frames import Note
+from rclpy_virtual_time import Note
 
 PARTS, MIN_MESSAGES = 5, 40  # of a trial, and messages in each part
 TIMES, RISE = 2.0, 0.001  # [s] so much more in the last part is no noise of the machine

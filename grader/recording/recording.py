@@ -21,8 +21,7 @@ from grader.recording import views
 from grader.recording.inferences import Inference
 from grader.recording.training import Training
 from grader.recording.views import Floats, Goals, Odom, Scan, Twists
-from rclpy_virtual_time.host.frames import ASKED_TO_END, Note
-from rclpy_virtual_time.link.log import LogLine
+from rclpy_virtual_time import Ended, LogLine, Note
 from sim.layout import Layout, layout_to_json
 from sim.messages import (
     CMD_VEL_TOPIC,
@@ -134,7 +133,7 @@ class Ending:
             )
         if kind in ("hung", "flooded"):
             return text
-        if kind != "exception" or text.startswith(ASKED_TO_END):
+        if kind != "exception" or text.startswith(Ended.ASKED_TO_END):
             return ""
         return f"{text}; {SHUT_DOWN}" if "context" in text and "RCLError" in text else text
 

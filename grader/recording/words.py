@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable
 
 from grader.recording.recording import Recording
-from rclpy_virtual_time.link.log import LogLine
+from rclpy_virtual_time import LogLine
 from sim.messages import decode
 
 BEFORE, AFTER = 1.0, 0.05  # [s] around the moment

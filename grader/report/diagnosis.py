@@ -13,10 +13,10 @@ from rich.text import Text
 from grader.course.installed import never_run
 from grader.report.facts import OUTCOMES
 from grader.report.terminal import MAX_WIDTH, Console, is_ascii, printable
-from rclpy_virtual_time.link import system
+from rclpy_virtual_time import RosEnvironment
 
 if TYPE_CHECKING:
-    from rclpy_virtual_time.link.doctor import Diagnosis
+    from rclpy_virtual_time import Diagnosis
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {  # what it is for: distributions
     "exercise 2, 5, 6, 8 and 9 (extra `ml`)": ("scikit-learn", "onnxruntime", "onnx", "skl2onnx"),
@@ -85,7 +85,7 @@ def render_practice(reason: str, console: Console) -> None:
     """Print the words of `course doctor` where the real rclpy can't run."""
     width = min(console.width, MAX_WIDTH)
     ros = "portable: rclpy's own Python, for practice"
-    console.print(_facts(system.name(), ros, missing_extras()), width=width)
+    console.print(_facts(RosEnvironment.system_name(), ros, missing_extras()), width=width)
     console.print()
     if untried := never_run():
         console.print(Text(f" {untried}", style="bold yellow"), width=width)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from rclpy_virtual_time.link.foreign import readable
+from rclpy_virtual_time import readable
 
 Check = Mapping[str, Any]
 

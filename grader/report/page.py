@@ -15,7 +15,7 @@ import numpy as np
 
 from grader.report.facts import in_order
 from grader.report.replay import moments_of, replay_payload
-from rclpy_virtual_time.link.foreign import readable
+from rclpy_virtual_time import readable
 
 if TYPE_CHECKING:
     from grader.recording import Recording

@@ -38,7 +38,7 @@ from grader.report.facts import (
     share_of,
     with_details,
 )
-from rclpy_virtual_time.link.foreign import readable
+from rclpy_virtual_time import readable
 
 Fact = tuple[str, Text, int]  # name, text, the most rows that it may take
 

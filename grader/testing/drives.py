@@ -15,12 +15,11 @@ from grader.errors import GraderError, InputError
 from grader.launchers import start_launcher
 from grader.testing.run import Run, write_replays
 from grader.trial.staging import parameter_arguments
-from rclpy_virtual_time.link.foreign import readable
-from rclpy_virtual_time.link.practice import PracticeServer
+from rclpy_virtual_time import PracticeServer, readable
 from sim.scenario import Scenario
 
 if TYPE_CHECKING:
-    from rclpy_virtual_time.link.hosts import ForkServer
+    from rclpy_virtual_time import ForkServer
 
 LONGEST = 150  # [characters] of a replay's file name
 

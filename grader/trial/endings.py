@@ -10,9 +10,7 @@ from grader.models.service import TooManyQuestions
 from grader.recording import Outcome, Recording
 from grader.trial.recorder import Command, Recorder
 from grader.trial.staging import missing_file
-from rclpy_virtual_time.link.exchange import Flood, HostForged, status_text
-from rclpy_virtual_time.link.log import LogLine
-from rclpy_virtual_time.link.workplace import Excess
+from rclpy_virtual_time import Excess, Flood, HostForged, LogLine
 from sim.scenario import Scenario
 from sim.simulation import Simulation
 
@@ -65,7 +63,7 @@ def misbehaviour(error: HostForged | Flood | Excess | TooManyQuestions) -> tuple
 
 def died_text(status: str) -> str:
     """Say by its exit status how a silent process ended."""
-    return f"the node's process ended by itself ({status_text(status)})"
+    return f"the node's process ended by itself ({status})"
 
 
 def without_folder(outcome: Outcome, folder: Path) -> Outcome:

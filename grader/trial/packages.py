@@ -13,9 +13,7 @@ from pathlib import Path, PurePosixPath
 from grader.colcon.frames import READ, Executable, Launched, PackageRead, ReadPackage
 from grader.course.beside import MAX_FILES, PYTHON, listed, may_come
 from grader.course.submission import LAUNCH, Package, Program, Submission, read_regular_file
-from rclpy_virtual_time.link.exchange import HostDied, HostForged, HostHung
-from rclpy_virtual_time.link.launcher import Launcher
-from rclpy_virtual_time.link.workplace import Excess
+from rclpy_virtual_time import Excess, HostDied, HostForged, HostHung, Launcher
 
 LIMIT = 20.0  # [s] for setup.py and a launch file
 MAX_ARGUMENTS = 1024 * 1024  # [bytes] of all programs, half of what Linux takes

@@ -35,13 +35,16 @@ from grader.trial.recorder import Command, Recorder
 from grader.trial.staging import Stage, stage
 from grader.trial.stalls import AnswerRate
 from grader.trial.virtual_time import Limits
-from rclpy_virtual_time.host.frames import MAX_NAME, Delivery, Note
-from rclpy_virtual_time.host.sandbox.layers import NETWORK
-from rclpy_virtual_time.link import real_clock
-from rclpy_virtual_time.link.exchange import Flood, HostForged
-from rclpy_virtual_time.link.hosts import ForkServer
-from rclpy_virtual_time.link.live_hosts import LiveHosts, Program
-from rclpy_virtual_time.link.workplace import Excess
+from rclpy_virtual_time import (
+    Delivery,
+    Excess,
+    Flood,
+    ForkServer,
+    HostForged,
+    LiveHosts,
+    Note,
+    real_clock,
+)
 from sim.messages import Message, typestore, with_epoch
 from sim.scanner import Scanner
 from sim.scenario import Scenario
@@ -83,7 +86,7 @@ def run_live_trial(
     GraderError
         The grader or the machine failed; nothing can be said of the submission.
     """
-    shared = NETWORK not in forkserver.live.layers
+    shared = forkserver.live.shares_network
     for attempt in range(ATTEMPTS):
         simulation = Simulation(scenario, seed)
         problem = not_runnable(submission, scenario)
@@ -113,8 +116,8 @@ def _longest_stall(scenario: Scenario) -> float:
     return min(STALL, STALL_SHARE / Scanner.rate(scenario))
 
 
-def _text_of_end(program: Program) -> str:
-    return program.ended.text if program.ended else died_text(program.host.wait(GRACE))
+def _text_of_end(program: LiveHosts.Program) -> str:
+    return program.ended.text if program.ended else died_text(program.link.wait(GRACE))
 
 
 class _LiveTrial:
@@ -161,11 +164,12 @@ class _LiveTrial:
                 stall, outcome = str(error), self._outcome("hung", str(error))
             self._starved = max(self._starved, hosts.still_wait())
             log = [line for program in hosts.programs for line in program.link.log()]
-            output = [o for p in hosts.programs for o in (p.link.stdout, p.link.stderr)]
+            links = [program.link for program in hosts.programs]
+            truncated = any(link.stdout.truncated or link.stderr.truncated for link in links)
             for program in hosts.programs:
                 if program.left is not None:
                     file, entry = Path(program.start.file).name, program.start.entry
-                    said = _text_of_end(program)[:MAX_NAME]
+                    said = _text_of_end(program)[: Note.MAX_NAME]
                     note = Note("ended", file, entry, time=program.left, more=said)
                     self._recorder.note([note])
         self._recorder.note_endpoints(hosts.endpoints)
@@ -182,7 +186,9 @@ class _LiveTrial:
         log = [line_without_folder(line, folder) for line in log]
         outcome = without_folder(outcome, folder)
         asked = self._models.since_begin()
-        return self._recorder.freeze(self._simulation, outcome, log, output, live, asked)
+        return self._recorder.freeze(
+            self._simulation, outcome, log, live, asked, truncated=truncated
+        )
 
     # --- the clock -------------------------------------------------------------------------------
 

@@ -8,10 +8,7 @@ import msgspec
 import numpy as np
 
 from grader.recording import Compute, Endpoint, Inference, Live, Outcome, Recording
-from rclpy_virtual_time.host.frames import MAX_NOTES, EndpointReport, Note, Published
-from rclpy_virtual_time.link.exchange import Flood, HostForged
-from rclpy_virtual_time.link.log import LogLine
-from rclpy_virtual_time.link.output import Output
+from rclpy_virtual_time import EndpointReport, Flood, HostForged, LogLine, Note, Published
 from sim.messages import (
     CMD_VEL_TOPIC,
     TWIST,
@@ -62,7 +59,7 @@ class Recorder:
         """Keep notes for a person, the latest of each kind."""
         for note in notes:
             key = (note.kind, note.about, note.line)
-            if key in self._notes or len(self._notes) < MAX_NOTES:
+            if key in self._notes or len(self._notes) < Note.MOST:
                 self._notes[key] = note
 
     def hear(self, heard: Iterable[Published], began: int, reached: int) -> list[Command]:
@@ -89,10 +86,10 @@ class Recorder:
         simulation: Simulation,
         outcome: Outcome,
         log: Iterable[LogLine] = (),
-        output: Iterable[Output] = (),
         live: Live | None = None,
         asked: Iterable[Inference] = (),
         *,
+        truncated: bool = False,
         charged: bool = False,
     ) -> Recording:
         """Return the recording of a trial that is over, with what the robot did in it."""
@@ -109,7 +106,7 @@ class Recorder:
             outcome=outcome,
             endpoints=tuple(self.endpoints),
             log=tuple(log),
-            log_truncated=any(stream.truncated for stream in output),
+            log_truncated=truncated,
             compute=Compute(*compute),
             live=live,
             inferences=tuple(asked),

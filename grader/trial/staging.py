@@ -11,7 +11,7 @@ from pathlib import Path
 
 from grader.course.submission import Program, Submission
 from grader.models.files import write_models
-from rclpy_virtual_time.host.frames import Offer, ProgramStart
+from rclpy_virtual_time import Offer, ProgramStart
 from sim.messages import LATCHED
 from sim.scenario import ProgramSpec, Scenario
 from sim.sensors import OFFERED, SENSOR_TOPICS

@@ -36,14 +36,17 @@ from grader.recording import (
     Training,
 )
 from grader.trial.endings import GRACE, line_without_folder, not_run, without_folder
-from rclpy_virtual_time.host.frames import Script
-from rclpy_virtual_time.link import real_clock
-from rclpy_virtual_time.link.exchange import HostDied, HostForged, HostHung, status_text
-from rclpy_virtual_time.link.launcher import Launcher
-from rclpy_virtual_time.link.link import Link
-from rclpy_virtual_time.link.log import LogLine
-from rclpy_virtual_time.link.scratch import fresh_folder
-from rclpy_virtual_time.link.workplace import Excess
+from rclpy_virtual_time import (
+    Excess,
+    HostDied,
+    HostForged,
+    HostHung,
+    Launcher,
+    Link,
+    LogLine,
+    fresh_folder,
+    real_clock,
+)
 from sim.scenario import Scenario, TrainingSpec
 from sim.simulation import Simulation
 
@@ -149,11 +152,10 @@ def _run_script(
         arguments = ("--data", DATA, "--out", names[0], "--onnx", names[1])
         seed = zlib.crc32(repr((names, spec)).encode())  # another in each run, as in real life
         script = next((p.file for p in submission.started(spec.script)), spec.script)
-        order = Script(str(folder / script), arguments, seed)
         with workshop.workplace(folder) as place:
             with workshop.host(place) as link:
                 began = real_clock.perf_counter()
-                outcome = _conduct(link, order, spec.time_limit)
+                outcome = _conduct(link, folder / script, arguments, seed, spec.time_limit)
                 wall = real_clock.perf_counter() - began
                 log = link.log()
             files = {name: _take_file(place.seen / name) for name in names}
@@ -164,13 +166,15 @@ def _run_script(
         return run, kept, tuple(line_without_folder(line, folder) for line in log)
 
 
-def _conduct(link: Link, order: Script, limit: float) -> Outcome:
+def _conduct(
+    link: Link, file: Path, arguments: tuple[str, ...], seed: int, limit: float
+) -> Outcome:
     try:
-        answer, _ = link.run_script(order, limit)
+        answer, _ = link.run_script(file, arguments, seed, limit)
     except HostHung as hung:
         return Outcome("hung", f"the script was not done after {limit:.0f} s", detail=hung.stacks)
     except HostDied:
-        status = status_text(link.wait(GRACE))
+        status = link.wait(GRACE)
         return Outcome("died", f"the script's process ended by itself ({status})")
     except Excess as error:
         return Outcome("flooded", f"the script took more of the machine than it may: {error}")

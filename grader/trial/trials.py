@@ -23,8 +23,7 @@ from grader.trial.progress import LEFT_OUT, TRIAL, OnProgress, Step, ignore
 from grader.trial.seeds import trial_seed
 from grader.trial.training import Trained, run_training
 from grader.trial.virtual_time import Limits, run_trial
-from rclpy_virtual_time.link import real_clock
-from rclpy_virtual_time.link.launcher import Launcher
+from rclpy_virtual_time import Launcher, real_clock
 from sim.scenario import Scenario
 from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
@@ -374,7 +373,7 @@ class NodeTrials(Trials):
 
     def _run_in_real_time(self, scenario: Scenario, reason: str) -> Recording:
         from grader.trial.real_time import run_live_trial  # noqa: PLC0415
-        from rclpy_virtual_time.link.hosts import ForkServer  # noqa: PLC0415  (only Linux can import these)
+        from rclpy_virtual_time import ForkServer  # noqa: PLC0415  (Linux only)
 
         assert isinstance(self.launcher, ForkServer)
         return run_live_trial(

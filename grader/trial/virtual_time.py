@@ -7,9 +7,10 @@ message, the simulation follows with the commands that came out, and hands over 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
 from grader.course.students import host_seed
 from grader.course.submission import Submission
@@ -30,21 +31,24 @@ from grader.trial.endings import (
 from grader.trial.hangs import located
 from grader.trial.recorder import MAX_BYTES, Recorder
 from grader.trial.staging import stage
-from rclpy_virtual_time.host.frames import (
+from rclpy_virtual_time import (
+    Cost,
     Delivery,
     Discovery,
     Ended,
+    Excess,
+    Flood,
+    HostDied,
+    HostForged,
+    HostHung,
+    Launcher,
+    Link,
     Run,
     Settled,
     Slept,
     Start,
-    ToJudge,
+    real_clock,
 )
-from rclpy_virtual_time.link import real_clock
-from rclpy_virtual_time.link.exchange import Cost, Flood, HostDied, HostForged, HostHung
-from rclpy_virtual_time.link.launcher import Launcher
-from rclpy_virtual_time.link.link import Conversation, Link
-from rclpy_virtual_time.link.workplace import Excess
 from sim.messages import EPOCH_NS, Message
 from sim.scenario import Scenario
 from sim.sensors import SENSOR_TOPICS
@@ -55,6 +59,11 @@ END_NS, END_LIMIT = 10**9, 2.0  # [ns], [s of CPU time] that programs have after
 # A prime number of ns: hardly one ends where a timer is due.
 SLICE_NS = 997_331_087
 BUSY = 3  # times its limit of wall time that a trial may wait for a CPU in all
+
+Said = Settled | Ended | Slept
+Result = TypeVar("Result")
+# yields what to send and the wall time for the answer [s]; gets the answer and what it cost
+Conversation = Generator[tuple[Start | Run, float], tuple[Said, Cost], Result]
 
 
 @dataclass(frozen=True)
@@ -274,7 +283,7 @@ class _Trial:
         outcome = Outcome(kind, text, now / 1e9, detail)
         return Ending(outcome, tuple(recorder.published))
 
-    def _start(self, start: Start, limit: float) -> Conversation[tuple[ToJudge, Cost]]:
+    def _start(self, start: Start, limit: float) -> Conversation[tuple[Said, Cost]]:
         """Run the file up to the point where it waits; answer what it asks its models till then.
 
         However often it asks: limit [s] is for all of the start-up.
@@ -295,7 +304,7 @@ class _Trial:
         link = self._link
         log = [line_without_folder(line, folder) for line in link.log()]
         outcome = without_folder(outcome, folder)
-        output = (link.stdout, link.stderr)
+        truncated = link.stdout.truncated or link.stderr.truncated
         asked, ending = self._models.inferences, self._ending
         if ending is not None:
             end = self._simulation.end
@@ -303,7 +312,12 @@ class _Trial:
             log = [line for line in log if line.time <= end]
             ending = Ending(without_folder(ending.outcome, folder), ending.published, last)
         recording = self._recorder.freeze(
-            self._simulation, outcome, log, output, asked=asked, charged=self._charged
+            self._simulation,
+            outcome,
+            log,
+            truncated=truncated,
+            asked=asked,
+            charged=self._charged,
         )
         return recording if ending is None else replace(recording, ending=ending)
 

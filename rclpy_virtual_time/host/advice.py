@@ -4,6 +4,11 @@ from __future__ import annotations
 
 import importlib
 from pathlib import Path
+from typing import ClassVar
+
+from . import imports
+from .sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES, MAX_MEMORY, MAX_PROCESSES
+from .wire import steady
 
 
 class Advice:
@@ -12,6 +17,17 @@ class Advice:
     Its methods are called in the program's own process, and decide nothing. This class says
     nothing.
     """
+
+    MAX_FOLDER: ClassVar = MAX_FOLDER  # [bytes] what a program may use
+    MAX_FOLDER_FILES: ClassVar = MAX_FOLDER_FILES
+    MAX_MEMORY: ClassVar = MAX_MEMORY  # [bytes]
+    MAX_PROCESSES: ClassVar = MAX_PROCESSES
+    steady = staticmethod(steady)
+
+    @staticmethod
+    def hiding_file(error: BaseException) -> str:
+        """Return the program's own file that hides the module of an ImportError; "" if none."""
+        return imports.host.hiding_file(error)
 
     def begin(self) -> None:
         """Prepare the process, before any program runs in it."""

@@ -8,29 +8,22 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import msgspec
 
 MAX_FRAME = 8 * 1024 * 1024  # [bytes] one frame, length excluded
 MAX_PUBLISHED = 4_000  # messages a node may publish between two events of the world
 MAX_PUBLISHED_BYTES = MAX_FRAME // 2  # of these messages and their names
-MAX_NOTES = 100  # of a run
 MAX_ENDPOINTS = 500  # new ones, in a frame: a program may have more
 MAX_CONNECTED = 1_000  # in a pulse: ends of a program
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
-MAX_STDIN = 1024 * 1024  # [bytes]
-MAX_KEYS = 4096  # [bytes]
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
-MAX_QUESTIONS = 64  # to the judge, at a time
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
 LENGTH = struct.Struct("<I")
 # In stdout and stderr, followed by the time [ns]: what comes next was said then. ".7" after that
 # says that it was the stream's seventh turn at that time.
 MARK = "\x1e"
-
-NO_NODE = " and made no node"  # at the end of a text
-ASKED_TO_END = ("KeyboardInterrupt", "ExternalShutdownException")  # raised by SIGINT
 
 Name = Annotated[str, msgspec.Meta(max_length=MAX_NAME)]
 Text = Annotated[str, msgspec.Meta(max_length=MAX_TEXT)]
@@ -79,6 +72,9 @@ class ProgramStart(msgspec.Struct, frozen=True):
 
 class Start(msgspec.Struct, frozen=True, tag="start"):
     """The judge's first frame: what to run and what the robot offers."""
+
+    MAX_STDIN: ClassVar = 1024 * 1024  # [bytes]
+    MAX_KEYS: ClassVar = 4096  # [bytes]
 
     programs: tuple[ProgramStart, ...]
     epoch: Nanoseconds  # ROS time of the start
@@ -160,9 +156,6 @@ class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
     mismatch: Text = ""  # why it and the robot's end of the topic can't talk; "" if they can
 
 
-OWN_TIMER = "its own timer"
-
-
 NOTED = (
     "lost", "lifecycle", "lasts", "awaits", "stuck", "waits", "threads", "sim_time", "params",
     "imports", "ended",
@@ -171,6 +164,10 @@ NOTED = (
 
 class Note(msgspec.Struct, array_like=True, frozen=True):
     """A note on a run for a person: no message shows it, and no check judges it."""
+
+    MOST: ClassVar = 100  # of a run
+    MAX_NAME: ClassVar = MAX_NAME  # [characters]
+    OWN_TIMER: ClassVar = "its own timer"  # `more` of "waits"
 
     kind: Annotated[str, msgspec.Meta(pattern=f"^({'|'.join(NOTED)})$")]
     about: Name  # a topic, a node, a program, a function, sections ...
@@ -181,11 +178,13 @@ class Note(msgspec.Struct, array_like=True, frozen=True):
     more: Name = ""  # a state, a service, a topic, what had to wait, how it ended
 
 
-Notes = Annotated[list[Note], msgspec.Meta(max_length=MAX_NOTES)]
+Notes = Annotated[list[Note], msgspec.Meta(max_length=Note.MOST)]
 
 
 class Settled(msgspec.Struct, frozen=True, tag="settled"):
     """All that the node has to do until `now` is done."""
+
+    MAX_QUESTIONS: ClassVar = 64  # to the judge, at a time
 
     now: Nanoseconds
     spinning: bool  # an executor waits for work, or has looked for some
@@ -199,6 +198,9 @@ class Settled(msgspec.Struct, frozen=True, tag="settled"):
 
 class Ended(msgspec.Struct, frozen=True, tag="ended"):
     """The student's program is over."""
+
+    NO_NODE: ClassVar = " and made no node"  # at the end of `text`
+    ASKED_TO_END: ClassVar = ("KeyboardInterrupt", "ExternalShutdownException")  # by SIGINT
 
     now: Nanoseconds
     kind: Annotated[
@@ -248,7 +250,7 @@ class Pulse(msgspec.Struct, frozen=True, tag="pulse"):
 class Asking(msgspec.Struct, frozen=True, tag="asking"):
     """A program in real time asks the judge."""
 
-    asked: Annotated[list[Question], msgspec.Meta(max_length=MAX_QUESTIONS)]
+    asked: Annotated[list[Question], msgspec.Meta(max_length=Settled.MAX_QUESTIONS)]
 
 
 class Tuned(msgspec.Struct, frozen=True, tag="tuned"):

@@ -16,7 +16,7 @@ from concurrent.futures import thread as futures
 from pathlib import Path
 
 from . import advice, imports, randomness
-from .frames import ASKED_TO_END, NO_NODE, Note, ProgramStart, Start
+from .frames import Ended, Note, ProgramStart, Start
 from .source import compiled
 from .virtual import signals
 from .virtual.session import Session
@@ -39,7 +39,7 @@ def run(session: Session, start: Start) -> None:
         session.begin(start.lead)
         kind, text, detail = run_file(start.programs[0], lambda: session.ending)
         if kind == "returned" and not session.bridge.changes:
-            text += NO_NODE
+            text += Ended.NO_NODE
         session.end(kind, text, detail)
         return
     session.programs = Programs(
@@ -71,7 +71,7 @@ def _run_one_of_many(session: Session, program: ProgramStart) -> None:
     If all have been asked to end, the last does, or the first that raises anything else.
     """
     kind, text, detail = run_file(program, lambda: session.ending)
-    as_asked = kind in ("returned", "exited") or text.startswith(ASKED_TO_END)
+    as_asked = kind in ("returned", "exited") or text.startswith(Ended.ASKED_TO_END)
     name = Path(program.file).name
     if session.ending and as_asked and session.programs.others():
         return

@@ -24,13 +24,13 @@ import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, ClassVar, Literal, TypeVar
 
 import msgspec
 
-from rclpy_virtual_time.link import real_clock
-from rclpy_virtual_time.link.errors import DiskFull, EngineError, is_disk_full
+from rclpy_virtual_time.link.errors import DiskFull, EngineError
 from rclpy_virtual_time.link.interpreter import with_needs
+from rclpy_virtual_time.link.real_clock import real_clock
 from rclpy_virtual_time.link.scratch import open_regular_file
 
 MIB = 1024 * 1024
@@ -47,7 +47,7 @@ T = TypeVar("T")
 
 
 class Refused(Exception):
-    """A submitted file is not read; the message says why."""
+    """A file is not read; the message says why."""
 
 
 class Broken(Refused):
@@ -55,23 +55,74 @@ class Broken(Refused):
 
 
 @dataclass(frozen=True)
-class Limits:
-    """What reading one file may take."""
+class FileReader:
+    """A process of its own for reading one file, and what that may take."""
+
+    Refused: ClassVar = Refused
+    Broken: ClassVar = Broken
 
     memory: int = 512 * MIB  # [bytes]
     cpu: int = 5  # [s]; the largest honest file takes a tenth on a laptop
     file: int = 101 * MIB  # [bytes] of one that it writes
     answer: int = 16 * MIB  # [bytes]
 
+    def read(
+        self,
+        work: Callable[..., T],
+        *arguments: Any,
+        returns: Any,
+        file: Path | None = None,
+        room: Path | None = None,
+    ) -> T:
+        """Return what `work` makes of a file, in a process of its own.
 
-ONE = Limits()  # of one student
-CLASS = Limits(memory=1024 * MIB, cpu=900, file=1024 * MIB, answer=64 * MIB)  # a platform's file
+        Parameters
+        ----------
+        work
+            A function of a module. It is called with `file`, open for reading, and `room`, the one
+            folder it may write to, if they are given; then with `arguments`, which are plain data.
+        returns
+            The type of its answer.
+
+        Raises
+        ------
+        Refused, Broken
+            The file can't be read. Its reader was ended by a limit, raised `Refused`, or anything.
+        DiskFull
+            No space is left.
+        OSError
+            The file can't be opened, is a link, or no ordinary file.
+        EngineError
+            No process can be made.
+        """
+        with contextlib.ExitStack() as stack:
+            opened = None if file is None else stack.enter_context(open_regular_file(file))
+            if sys.platform != "linux":  # where nothing of other people's is graded
+                given = (each for each in (opened, room) if each is not None)
+                return _directly(work, (*given, *arguments))
+            module = sys.modules[work.__module__]
+            request = _Request(
+                module.__spec__.name if module.__spec__ else module.__name__,  # not "__main__"
+                work.__qualname__, self, file is not None, room is not None,
+                msgspec.Raw(msgspec.msgpack.encode(arguments)),
+            )  # fmt: skip
+            fds = [] if opened is None else [opened.fileno()]
+            if room is not None:
+                from rclpy_virtual_time.host.sandbox import users  # noqa: PLC0415  (Linux only)
+
+                if users.is_root():
+                    os.chown(room, USER, USER)
+                fds.append(os.open(room, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW))
+                stack.callback(os.close, fds[-1])
+            said = _servers.ask(msgspec.msgpack.encode(request), fds, self)
+        value: T = _understood(said, returns)
+        return value
 
 
 class _Request(msgspec.Struct):
     module: str
     function: str
-    limits: Limits
+    limits: FileReader
     has_file: bool
     has_room: bool
     arguments: msgspec.Raw
@@ -81,59 +132,6 @@ class _Answer(msgspec.Struct):
     kind: Literal["value", "refused", "broken", "full", "fault"]
     text: str = ""
     value: msgspec.Raw = msgspec.Raw(b"\xc0")
-
-
-def read_in_cell(
-    work: Callable[..., T],
-    *arguments: Any,
-    returns: Any,
-    file: Path | None = None,
-    room: Path | None = None,
-    limits: Limits = ONE,
-) -> T:
-    """Return what `work` makes of a file, in a process of its own.
-
-    Parameters
-    ----------
-    work
-        A function of a module. It is called with `file`, open for reading, and `room`, the one
-        folder it may write to, if they are given; then with `arguments`, which are plain data.
-    returns
-        The type of its answer.
-
-    Raises
-    ------
-    Refused, Broken
-        The file can't be read. Its reader was ended by a limit, raised `Refused`, or anything.
-    DiskFull
-        No space is left.
-    OSError
-        The file can't be opened, is a link, or no ordinary file.
-    EngineError
-        No process can be made.
-    """
-    with contextlib.ExitStack() as stack:
-        opened = None if file is None else stack.enter_context(open_regular_file(file))
-        if sys.platform != "linux":  # where nothing of other people's is graded
-            given = (each for each in (opened, room) if each is not None)
-            return _directly(work, (*given, *arguments))
-        module = sys.modules[work.__module__]
-        request = _Request(
-            module.__spec__.name if module.__spec__ else module.__name__,  # not "__main__"
-            work.__qualname__, limits, file is not None, room is not None,
-            msgspec.Raw(msgspec.msgpack.encode(arguments)),
-        )  # fmt: skip
-        fds = [] if opened is None else [opened.fileno()]
-        if room is not None:
-            from rclpy_virtual_time.host.sandbox import users  # noqa: PLC0415  (Linux only)
-
-            if users.is_root():
-                os.chown(room, USER, USER)
-            fds.append(os.open(room, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW))
-            stack.callback(os.close, fds[-1])
-        said = _servers.ask(msgspec.msgpack.encode(request), fds, limits)
-    value: T = _understood(said, returns)
-    return value
 
 
 def _directly(work: Callable[..., T], arguments: Sequence[Any]) -> T:
@@ -172,7 +170,7 @@ class _Servers:
         self._control: socket.socket | None = None
         self._owner = 0  # process that started it; a fork has none
 
-    def ask(self, request: bytes, fds: Sequence[int], limits: Limits) -> bytes:
+    def ask(self, request: bytes, fds: Sequence[int], limits: FileReader) -> bytes:
         """Return the answer of a child."""
         with self._lock:
             try:
@@ -188,7 +186,7 @@ class _Servers:
                 raise
 
     def _asked(
-        self, control: socket.socket, request: bytes, fds: Sequence[int], limits: Limits
+        self, control: socket.socket, request: bytes, fds: Sequence[int], limits: FileReader
     ) -> bytes:
         ours, theirs = os.pipe()
         try:
@@ -206,7 +204,7 @@ class _Servers:
             raise Refused(_death(os.WTERMSIG(status), limits))
         return said
 
-    def _answer(self, pipe: int, limits: Limits) -> bytes:
+    def _answer(self, pipe: int, limits: FileReader) -> bytes:
         """Read to the end, at most as much and as long as may be."""
         deadline = real_clock.monotonic() + PATIENCE + SLOWNESS * limits.cpu
         ready = select.poll()
@@ -259,7 +257,7 @@ _servers = _Servers()
 atexit.register(_servers.close)
 
 
-def _death(number: int, limits: Limits) -> str:
+def _death(number: int, limits: FileReader) -> str:
     if number in (signal.SIGXCPU, signal.SIGKILL):
         return f"reading it takes more than {limits.cpu} s of CPU time"
     if number == signal.SIGXFSZ:
@@ -337,12 +335,12 @@ def _answer(work: Callable[..., Any], request: _Request, fds: list[int], server:
         kind: Literal["broken", "refused"] = "broken" if isinstance(error, Broken) else "refused"
         answer = _Answer(kind, str(error).encode("utf-8", "replace").decode()[: 2 * SAID])
     except Exception as error:  # whatever a malicious file makes a parser raise
-        answer = _Answer("full" if is_disk_full(error) else "broken", _said(error))
+        answer = _Answer("full" if DiskFull.caused(error) else "broken", _said(error))
     _write(pipe, answer)
     os._exit(0)
 
 
-def _enter(limits: Limits, room: int | None, server: int) -> None:
+def _enter(limits: FileReader, room: int | None, server: int) -> None:
     """Put on the layers of the sandbox, and the limits."""
     import resource  # noqa: PLC0415  (Linux only, as all of the sandbox)
 

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import sys
 from typing import TYPE_CHECKING, Any
 
-from rclpy_virtual_time.link.errors import NoRos
 from rclpy_virtual_time.link.practice import PracticeServer
-from rclpy_virtual_time.link.ros_environment import find_ros
 
 if TYPE_CHECKING:
     from rclpy_virtual_time.link.hosts import ForkServer
@@ -36,20 +31,8 @@ def start_launcher(
     NoRos
         There is neither.
     """
-    if portable or why_not_linux():
+    if portable or PracticeServer.why_needed():
         return PracticeServer(epoch, libraries=libraries, **options)
     from rclpy_virtual_time.link.hosts import ForkServer  # noqa: PLC0415
 
     return ForkServer(epoch, libraries=libraries, **options)
-
-
-def why_not_linux(*, portable: bool = False) -> str:
-    """Say why a fork server can't be used here; "" if it can. `portable`: it needs no ROS 2."""
-    if not (hasattr(os, "fork") and hasattr(os, "pidfd_open") and hasattr(signal, "SIGUSR1")):
-        return f"the launcher for the real rclpy is for Linux, and this is {sys.platform}"
-    try:
-        if not portable:
-            find_ros()
-    except NoRos as error:
-        return str(error)
-    return ""

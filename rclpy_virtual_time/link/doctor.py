@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import tempfile
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from rclpy_virtual_time.host.frames import Hello
@@ -27,6 +27,7 @@ from rclpy_virtual_time.host.sandbox.layers import (
 )
 from rclpy_virtual_time.link.errors import EngineError
 from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time.link.launcher import FOREIGN_CODE, NEEDS_FILES
 from rclpy_virtual_time.link.pipes import PATROL
 from rclpy_virtual_time.link.settings import EPOCH
 from rclpy_virtual_time.link.trouble import trouble
@@ -37,7 +38,7 @@ NEEDS: Mapping[str, str] = {  # a layer: what a machine must have for it
     USER: "the grader run as root",
     MOUNTS: "the grader run as root, or user namespaces that anybody may make",
     NETWORK: "the same as mounts",
-    FILES: "Landlock: Linux 5.13 or later, built and started with it",
+    FILES: NEEDS_FILES,
     CALLS: "seccomp filters, on x86_64 or arm64",
 }
 KEEPS: Mapping[str, str] = {
@@ -81,17 +82,29 @@ class Diagnosis:
     @property
     def foreign_code(self) -> str:
         """Why other people's code should not be graded here; "" if it may."""
-        return foreign_code_problem({layer.name for layer in self.layers if layer.here})
+        return "" if any(each.here and each.name == FILES for each in self.layers) else FOREIGN_CODE
 
-
-def foreign_code_problem(layers: Collection[str]) -> str:
-    """Say why other people's code should not run behind these layers; "" if it may."""
-    if FILES in layers:
-        return ""
-    return (
-        "nothing keeps a submission from reading solutions, secrets and other submissions "
-        f"(needed: {NEEDS[FILES]}); use a throw-away machine, and say so with --trust"
-    )
+    @staticmethod
+    def of_this_machine() -> Diagnosis:
+        """Look at this machine, and start a host to see what it has."""
+        ros, problem = "", ""
+        means = Hello(())
+        try:
+            with ForkServer(EPOCH) as forkserver:
+                means = forkserver.means
+                ros = forkserver.ros.kind
+        except EngineError as error:
+            problem = str(error)
+        return Diagnosis(
+            python=f"{platform.python_version()} on {platform.platform(terse=True)}",
+            ros=ros,
+            problem=problem,
+            layers=tuple(
+                Layer(name, name in means.layers, _version(name, means)) for name in LAYERS
+            ),
+            gaps=() if problem else gaps(means, root=users.is_root()),
+            trouble=trouble(means.layers),
+        )
 
 
 def gaps(means: Hello, *, root: bool) -> tuple[str, ...]:
@@ -121,26 +134,6 @@ def gaps(means: Hello, *, root: bool) -> tuple[str, ...]:
         ),
     }
     return tuple(text for text, is_open in found.items() if is_open)
-
-
-def diagnose() -> Diagnosis:
-    """Look at this machine, and start a host to see what it has."""
-    ros, problem = "", ""
-    means = Hello(())
-    try:
-        with ForkServer(EPOCH) as forkserver:
-            means = forkserver.means
-            ros = forkserver.ros.kind
-    except EngineError as error:
-        problem = str(error)
-    return Diagnosis(
-        python=f"{platform.python_version()} on {platform.platform(terse=True)}",
-        ros=ros,
-        problem=problem,
-        layers=tuple(Layer(name, name in means.layers, _version(name, means)) for name in LAYERS),
-        gaps=() if problem else gaps(means, root=users.is_root()),
-        trouble=trouble(means.layers),
-    )
 
 
 def _version(layer: str, means: Hello) -> str:

@@ -19,17 +19,17 @@ class NoRos(EngineError):
 class DiskFull(EngineError):
     """No space is left where the engine writes."""
 
-
-def is_disk_full(error: BaseException | None) -> bool:
-    """Return whether a full disk has caused an error, or the error that caused it."""
-    seen: set[int] = set()
-    while error is not None and id(error) not in seen:
-        seen.add(id(error))
-        if isinstance(error, DiskFull):
-            return True
-        if isinstance(error, OSError) and error.errno in NO_SPACE:
-            return True
-        if getattr(error, "sqlite_errorcode", None) == SQLITE_FULL:
-            return True
-        error = error.__cause__ or error.__context__
-    return False
+    @staticmethod
+    def caused(error: BaseException | None) -> bool:
+        """Return whether a full disk has caused an error, or the error that caused it."""
+        seen: set[int] = set()
+        while error is not None and id(error) not in seen:
+            seen.add(id(error))
+            if isinstance(error, DiskFull):
+                return True
+            if isinstance(error, OSError) and error.errno in NO_SPACE:
+                return True
+            if getattr(error, "sqlite_errorcode", None) == SQLITE_FULL:
+                return True
+            error = error.__cause__ or error.__context__
+        return False

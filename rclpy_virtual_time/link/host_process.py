@@ -9,8 +9,8 @@ import signal
 from dataclasses import dataclass
 
 from rclpy_virtual_time.host.frames import ENTERED, REFUSED
-from rclpy_virtual_time.link import real_clock
 from rclpy_virtual_time.link.errors import EngineError
+from rclpy_virtual_time.link.real_clock import real_clock
 from rclpy_virtual_time.link.run_queue import is_ready
 from rclpy_virtual_time.link.workplace import Watch
 

@@ -31,14 +31,15 @@ from rclpy_virtual_time.host.sandbox.layers import (
     USER,
 )
 from rclpy_virtual_time.host.sandbox.users import USERS, closed_ancestor, prefer
-from rclpy_virtual_time.link import real_clock
 from rclpy_virtual_time.link.errors import EngineError
 from rclpy_virtual_time.link.host_process import HostProcess
 from rclpy_virtual_time.link.interpreter import left_out, with_needs
+from rclpy_virtual_time.link.launcher import FOREIGN_CODE
 from rclpy_virtual_time.link.link import Link
 from rclpy_virtual_time.link.locks import held
 from rclpy_virtual_time.link.pipes import Pipes
-from rclpy_virtual_time.link.ros_environment import RosEnvironment, find_ros
+from rclpy_virtual_time.link.real_clock import real_clock
+from rclpy_virtual_time.link.ros_environment import RosEnvironment
 from rclpy_virtual_time.link.settings import LEARNING, NO_GPU, SAME_RUNS
 from rclpy_virtual_time.link.shared_memory import remove_half_made_ports, shared_memory_of
 from rclpy_virtual_time.link.workplace import Watch, Workplace
@@ -110,7 +111,7 @@ class ForkServer:
         self._libraries = tuple(libraries)
         self._kind = kind
         self._sisters: dict[str, ForkServer] = {}  # by kind; they start when first asked for
-        self.ros = ros or find_ros()
+        self.ros = ros or RosEnvironment.find()
         self._lock = threading.Lock()
         self._wanted = tuple(layers)
         self._landlock = landlock
@@ -159,6 +160,21 @@ class ForkServer:
         """What isolates hosts here."""
         self._await_ready()
         return self._means
+
+    @property
+    def foreign_code(self) -> str:
+        """Why other people's code should not run here; "" if it may."""
+        return "" if FILES in self.layers else FOREIGN_CODE
+
+    @property
+    def guards_files(self) -> bool:
+        """Whether something keeps hosts from changing other files of this user's."""
+        return FILES in self.layers or USER in self.layers
+
+    @property
+    def shares_network(self) -> bool:
+        """Whether hosts are in the machine's network."""
+        return NETWORK not in self.layers
 
     @property
     def isolation(self) -> str:

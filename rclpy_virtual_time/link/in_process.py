@@ -30,13 +30,14 @@ from rclpy_virtual_time.host.frames import (
 )
 from rclpy_virtual_time.host.tasks import carried_out
 from rclpy_virtual_time.host.wire import Wire, flush_output
-from rclpy_virtual_time.link import real_clock
 from rclpy_virtual_time.link.errors import EngineError
 from rclpy_virtual_time.link.exchange import Cost, HostDied
+from rclpy_virtual_time.link.launcher import FOREIGN_CODE
 from rclpy_virtual_time.link.link import Conversation, Link, Result
 from rclpy_virtual_time.link.log import LogLine
 from rclpy_virtual_time.link.output import MAX_OUTPUT, Output, in_order
 from rclpy_virtual_time.link.practice import PRACTICE
+from rclpy_virtual_time.link.real_clock import real_clock
 from rclpy_virtual_time.link.settings import IN_BROWSER, NO_GPU, SAME_RUNS
 from rclpy_virtual_time.link.workplace import Workplace
 
@@ -90,6 +91,8 @@ class InProcess:
 
     isolation = IN_BROWSER
     practice = PRACTICE
+    foreign_code = FOREIGN_CODE
+    guards_files = False
 
     def __init__(
         self,

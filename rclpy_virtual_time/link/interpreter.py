@@ -9,10 +9,8 @@ from __future__ import annotations
 
 import contextlib
 import importlib
-import multiprocessing
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from multiprocessing.context import SpawnContext
 from pathlib import Path
 
 CHECKOUT = Path(__file__).resolve().parents[2]
@@ -21,15 +19,6 @@ NATIVE = ("ctypes", "ssl", "hashlib", "bz2", "lzma", "sqlite3", "zlib")  # with 
 MAPS = Path("/proc/self/maps")
 
 File = tuple[int, int]  # device and inode
-
-
-def own_processes() -> SpawnContext:
-    """Return how to start processes that import nothing from the current folder.
-
-    Theirs is `python -c`, which looks there first; a student's file may be called `random.py`.
-    """
-    os.environ["PYTHONSAFEPATH"] = "1"
-    return multiprocessing.get_context("spawn")
 
 
 def library_folders(environ: Mapping[str, str] | None = None) -> tuple[Path, ...]:

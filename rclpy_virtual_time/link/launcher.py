@@ -12,6 +12,12 @@ from typing import Protocol
 from rclpy_virtual_time.link.link import Link
 from rclpy_virtual_time.link.workplace import Workplace
 
+NEEDS_FILES = "Landlock: Linux 5.13 or later, built and started with it"
+FOREIGN_CODE = (
+    "nothing keeps a submission from reading solutions, secrets and other submissions "
+    f"(needed: {NEEDS_FILES}); use a throw-away machine, and say so with --trust"
+)
+
 
 class Launcher(Protocol):
     """Starts hosts."""
@@ -23,6 +29,14 @@ class Launcher(Protocol):
     @property
     def practice(self) -> str:
         """Why a grading by this launcher is for practice only; "" if it counts."""
+
+    @property
+    def foreign_code(self) -> str:
+        """Why other people's code should not run here; "" if it may."""
+
+    @property
+    def guards_files(self) -> bool:
+        """Whether something keeps hosts from changing other files of this user's."""
 
     @property
     def workshop(self) -> Launcher:

@@ -7,6 +7,7 @@ are decoded into fixed structures, text is capped, and nothing makes the judge w
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from pathlib import Path
 from typing import Protocol, TypeVar
 
 import msgspec
@@ -25,7 +26,7 @@ from rclpy_virtual_time.host.frames import (
     decode_to_judge,
     encode,
 )
-from rclpy_virtual_time.link.exchange import Answer, Cost, HostForged, decoded
+from rclpy_virtual_time.link.exchange import Answer, Cost, HostForged, decoded, status_text
 from rclpy_virtual_time.link.log import LogLine
 from rclpy_virtual_time.link.output import Output
 
@@ -74,7 +75,11 @@ class Link:
         self._host = host
         self._exchanges = 0
         self.stdout, self.stderr = host.stdout, host.stderr
-        self.log, self.stacks, self.wait = host.log, host.stacks, host.wait
+        self.log, self.stacks = host.log, host.stacks
+
+    def wait(self, patience: float = 0.0) -> str:
+        """Wait for the host's end, for `patience` [s]; say its exit status in words."""
+        return status_text(self._host.wait(patience))
 
     def converse(self, conversation: Conversation[Result]) -> Result:
         """Hold a conversation to its end; return what it returns.
@@ -102,8 +107,14 @@ class Link:
         """
         return self._exchange(frame, limit, decode_to_judge)
 
-    def run_script(self, script: Script, limit: float) -> tuple[Ended, Cost]:
-        """Run a program that returns, in real time; it raises as `run` does."""
+    def run_script(
+        self, file: Path, arguments: tuple[str, ...], seed: int, limit: float
+    ) -> tuple[Ended, Cost]:
+        """Run a program that returns, in real time; it raises as `run` does.
+
+        `seed` is that of `random` and of numpy's generator, below 2**32.
+        """
+        script = Script(str(file), arguments, seed)
         answer, cost = self._exchange(script, limit, decode_from_script)
         if not isinstance(answer, Ended):
             raise HostForged("an answer to another order")

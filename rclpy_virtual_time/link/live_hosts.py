@@ -12,7 +12,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, TypeAlias
 
 from rclpy_virtual_time.host.frames import (
     MAX_FRAME,
@@ -41,13 +41,13 @@ from rclpy_virtual_time.host.frames import (
     encode,
 )
 from rclpy_virtual_time.host.sandbox.users import prefer, priority
-from rclpy_virtual_time.link import real_clock
 from rclpy_virtual_time.link.domains import own_domain
 from rclpy_virtual_time.link.errors import EngineError
-from rclpy_virtual_time.link.exchange import Flood, HostDied, HostHung, decoded
+from rclpy_virtual_time.link.exchange import Flood, HostDied, HostHung, decoded, status_text
 from rclpy_virtual_time.link.host_process import HostProcess
 from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.pipes import Channel
+from rclpy_virtual_time.link.real_clock import real_clock
 from rclpy_virtual_time.link.run_queue import RunQueue
 from rclpy_virtual_time.link.scratch import prefix
 from rclpy_virtual_time.link.workplace import Workplace
@@ -113,6 +113,10 @@ class LiveLink(Channel):
             frames.append(decoded(body, self._decode))
         return frames
 
+    def wait(self, patience: float) -> str:
+        """Wait for the host's end, for `patience` [s]; say its exit status in words."""
+        return status_text(self._host.wait(patience))
+
     def note_time(self, now: int) -> None:
         """Set the time [ns] of output from now on."""
         for output in (self.stdout, self.stderr):
@@ -166,6 +170,7 @@ class LiveHosts:
         How long a program may take to begin to spin [s]: imports, models.
     """
 
+    Program: TypeAlias = Program
     TURN: ClassVar = 0.02  # [s] between looks at the hosts, at most
 
     class Over(Exception):

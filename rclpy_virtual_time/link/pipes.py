@@ -7,11 +7,11 @@ import os
 import select
 
 from rclpy_virtual_time.host.frames import LENGTH, MAX_FRAME
-from rclpy_virtual_time.link import real_clock
 from rclpy_virtual_time.link.exchange import Cost, HostDied, HostForged, HostHung
 from rclpy_virtual_time.link.host_process import HostProcess
 from rclpy_virtual_time.link.log import LogLine
 from rclpy_virtual_time.link.output import Output, in_order
+from rclpy_virtual_time.link.real_clock import real_clock
 from rclpy_virtual_time.link.run_queue import RunQueue
 
 CHUNK = 65536  # [bytes] read at once; as much as a pipe holds

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import os
 import queue
+import signal
 import subprocess
 import sys
 import tempfile
@@ -17,20 +18,21 @@ import threading
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import IO
+from typing import IO, ClassVar
 
 import msgspec
 
 from rclpy_virtual_time.host.frames import LENGTH, MAX_FRAME, Request
 from rclpy_virtual_time.host.kinds import NODES, SCRIPTS
-from rclpy_virtual_time.link import real_clock
-from rclpy_virtual_time.link.errors import EngineError
+from rclpy_virtual_time.link.errors import EngineError, NoRos
 from rclpy_virtual_time.link.exchange import Cost, HostDied, HostForged, HostHung
+from rclpy_virtual_time.link.launcher import FOREIGN_CODE
 from rclpy_virtual_time.link.link import Link
 from rclpy_virtual_time.link.log import LogLine
 from rclpy_virtual_time.link.output import MAX_OUTPUT, Output, in_order
-from rclpy_virtual_time.link.ros_environment import portable_ros
-from rclpy_virtual_time.link.settings import LEARNING, NO_GPU, SAME_RUNS
+from rclpy_virtual_time.link.real_clock import real_clock
+from rclpy_virtual_time.link.ros_environment import RosEnvironment
+from rclpy_virtual_time.link.settings import IN_BROWSER, LEARNING, NO_GPU, SAME_RUNS
 from rclpy_virtual_time.link.workplace import Workplace
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -73,6 +75,11 @@ class PracticeServer:
     layers: tuple[str, ...] = ()  # of isolation
     isolation = NO_ISOLATION
     practice = PRACTICE
+    foreign_code = FOREIGN_CODE
+    guards_files = False
+    IN_BROWSER: ClassVar = IN_BROWSER  # `isolation` of hosts in a page
+    # settings of programs that import Keras, here and beside
+    SAME_RUNS: ClassVar = {**SAME_RUNS, **NO_GPU, **LEARNING}
 
     def __init__(
         self,
@@ -88,7 +95,7 @@ class PracticeServer:
         self._kind = kind
         self._advice = advice
         self._workshop_libraries = tuple(workshop)
-        self.ros = portable_ros()
+        self.ros = RosEnvironment.portable()
         self._lock = threading.Lock()
         self._ready: deque[PracticeHost] = deque()
         self._workshop: PracticeServer | None = None
@@ -102,6 +109,18 @@ class PracticeServer:
             self._workshop.__exit__()
         while self._ready:
             self._ready.pop().close()
+
+    @staticmethod
+    def why_needed(*, portable: bool = False) -> str:
+        """Say why a fork server can't be used here; "" if it can. `portable`: it needs no ROS 2."""
+        if not (hasattr(os, "fork") and hasattr(os, "pidfd_open") and hasattr(signal, "SIGUSR1")):
+            return f"the launcher for the real rclpy is for Linux, and this is {sys.platform}"
+        try:
+            if not portable:
+                RosEnvironment.find()
+        except NoRos as error:
+            return str(error)
+        return ""
 
     @property
     def workshop(self) -> PracticeServer:

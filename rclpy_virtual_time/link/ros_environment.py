@@ -15,6 +15,7 @@ import sysconfig
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from rclpy_portable import unpacking
 from rclpy_portable.wheels import DownloadFailed
@@ -23,7 +24,6 @@ from rclpy_virtual_time.link.errors import NoRos
 
 DISTRO = "jazzy"
 RCLPY = "7.1"  # Jazzy's, whose names virtual time replaces (rclpy_virtual_time/host/virtual)
-PORTABLE = "portable"  # a kind of environment
 HOW_TO_INSTALL = (
     "install the wheels with `pip install '.[ros]'`, or source /opt/ros/jazzy/setup.bash"
 )
@@ -38,6 +38,11 @@ PORTABLE_PRELUDE = (
 @dataclass(frozen=True)
 class RosEnvironment:
     """Where ROS is and what a child process needs to import it."""
+
+    PORTABLE: ClassVar = "portable"  # a kind of environment
+    has_wheels = staticmethod(system.has_ros_wheels)
+    system_name = staticmethod(system.name)
+    is_tried = staticmethod(system.is_tried)
 
     kind: str  # "apt", "wheels", "system wheels" or "portable"
     python_path: tuple[Path, ...]  # folders to add to sys.path
@@ -55,56 +60,56 @@ class RosEnvironment:
             "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1",
         }
 
+    @staticmethod
+    def portable() -> RosEnvironment:
+        """Return the environment of the portable runtime, which needs no ROS (rclpy_portable).
 
-def portable_ros() -> RosEnvironment:
-    """Return the environment of the portable runtime, which needs no ROS (rclpy_portable).
+        Raises
+        ------
+        NoRos
+            rclpy's Python has to be fetched for it, and can't be.
+        """
+        try:
+            folder = unpacking.folder(_tell)
+        except DownloadFailed as error:
+            raise NoRos(str(error)) from error
+        return RosEnvironment(RosEnvironment.PORTABLE, (folder,), (), (), PORTABLE_PRELUDE)
 
-    Raises
-    ------
-    NoRos
-        rclpy's Python has to be fetched for it, and can't be.
-    """
-    try:
-        folder = unpacking.folder(_tell)
-    except DownloadFailed as error:
-        raise NoRos(str(error)) from error
-    return RosEnvironment(PORTABLE, (folder,), (), (), PORTABLE_PRELUDE)
+    @staticmethod
+    def find(
+        environ: dict[str, str] | None = None, folders: Iterable[Path] | None = None
+    ) -> RosEnvironment:
+        """Return the ROS 2 installation of this machine.
+
+        Parameters
+        ----------
+        environ
+            Environment variables to look at; the process's own by default.
+        folders
+            Folders in which the wheels may lie; by default those of this interpreter.
+
+        Raises
+        ------
+        NoRos
+            There is none, or only another one; the message says how to install it.
+        """
+        variables = dict(os.environ) if environ is None else environ
+        folders = list(_site_folders() if folders is None else folders)
+        found = [ros for ros in (_from_apt(variables), _from_wheels(folders)) if ros is not None]
+        versions = [_version(ros.python_path) for ros in found]
+        for ros, version in zip(found, versions, strict=True):
+            if version == RCLPY:
+                return ros
+        others = "".join(
+            f" (the one in {ros.prefixes[0]} has rclpy {version}, and this is made for {RCLPY})"
+            for ros, version in zip(found, versions, strict=True)
+        )
+        advice = HOW_TO_INSTALL if system.has_ros_wheels() else f"{NO_WHEELS} {system.name()}"
+        raise NoRos(f"ROS 2 {DISTRO.capitalize()} was not found{others}: {advice}")
 
 
 def _tell(text: str) -> None:
     print(f"course: {text}", file=sys.stderr)
-
-
-def find_ros(
-    environ: dict[str, str] | None = None, folders: Iterable[Path] | None = None
-) -> RosEnvironment:
-    """Return the ROS 2 installation of this machine.
-
-    Parameters
-    ----------
-    environ
-        Environment variables to look at; the process's own by default.
-    folders
-        Folders in which the wheels may lie; by default those of this interpreter.
-
-    Raises
-    ------
-    NoRos
-        There is none, or only another one; the message says how to install it.
-    """
-    variables = dict(os.environ) if environ is None else environ
-    folders = list(_site_folders() if folders is None else folders)
-    found = [ros for ros in (_from_apt(variables), _from_wheels(folders)) if ros is not None]
-    versions = [_version(ros.python_path) for ros in found]
-    for ros, version in zip(found, versions, strict=True):
-        if version == RCLPY:
-            return ros
-    others = "".join(
-        f" (the one in {ros.prefixes[0]} has rclpy {version}, and this is made for {RCLPY})"
-        for ros, version in zip(found, versions, strict=True)
-    )
-    advice = HOW_TO_INSTALL if system.has_ros_wheels() else f"{NO_WHEELS} {system.name()}"
-    raise NoRos(f"ROS 2 {DISTRO.capitalize()} was not found{others}: {advice}")
 
 
 def _version(folders: Iterable[Path]) -> str:

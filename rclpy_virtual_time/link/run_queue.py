@@ -14,7 +14,7 @@ import os
 from collections.abc import Callable
 from typing import NamedTuple
 
-from rclpy_virtual_time.link import real_clock
+from rclpy_virtual_time.link.real_clock import real_clock
 
 LOOK_EVERY = 0.01  # [s] at most
 

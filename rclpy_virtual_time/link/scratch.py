@@ -12,9 +12,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-MIN_SPACE = 16 * 1024 * 1024  # [bytes] that a grading needs; the recordings of one take 1 to 5 MiB
-MIN_FILES = 200  # that a grading makes
-
 _OURS = re.compile(r"course-([0-9]+)-.*")
 
 
@@ -47,16 +44,6 @@ def fresh_folder() -> Iterator[Path]:
     finally:
         with contextlib.suppress(OSError):
             remove(folder)
-
-
-def has_space(*folders: Path) -> bool:
-    """Return whether a grading may still be written to each of these folders."""
-    found = [os.statvfs(folder) for folder in folders]
-    return all(
-        each.f_bavail * each.f_frsize >= MIN_SPACE
-        and (each.f_favail >= MIN_FILES or not each.f_files)
-        for each in found
-    )
 
 
 def remove(top: Path) -> None:

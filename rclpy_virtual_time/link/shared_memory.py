@@ -13,7 +13,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from rclpy_virtual_time.link import real_clock
+from rclpy_virtual_time.link.real_clock import real_clock
 
 SHM = Path("/dev/shm")
 OURS = "fastrtps_"

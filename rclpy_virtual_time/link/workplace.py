@@ -21,7 +21,7 @@ from rclpy_virtual_time.host.sandbox.amounts import (
     MAX_FOLDER_FILES,
     MAX_PROCESSES,
 )
-from rclpy_virtual_time.link import real_clock
+from rclpy_virtual_time.link.real_clock import real_clock
 
 BLOCK = 512  # [bytes] the unit of st_blocks, on any file system
 THREADS = 17  # where /proc/PID/stat counts them, after the process's name

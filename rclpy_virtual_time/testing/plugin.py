@@ -69,9 +69,9 @@ class Processes:
         asked = FIXTURE in getattr(item, "fixturenames", ()) or item.get_closest_marker(MARK)
         if not (self._every or asked):
             return None
-        from rclpy_virtual_time.link.choice import why_not_linux  # noqa: PLC0415
+        from rclpy_virtual_time.link.practice import PracticeServer  # noqa: PLC0415
 
-        if reason := why_not_linux(portable=self._portable):
+        if reason := PracticeServer.why_needed(portable=self._portable):
             item.add_marker(pytest.mark.skip(reason=f"virtual_time needs the real rclpy: {reason}"))
             return None
         if self._hosts is None:

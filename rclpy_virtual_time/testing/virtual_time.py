@@ -18,14 +18,14 @@ import pytest
 
 from rclpy_virtual_time.host.frames import Ended, Reported, RunTest, decode_from_test, encode
 from rclpy_virtual_time.host.kinds import TESTS
-from rclpy_virtual_time.link import real_clock
 from rclpy_virtual_time.link.errors import EngineError
 from rclpy_virtual_time.link.exchange import HostDied, HostForged, HostHung, decoded, status_text
-from rclpy_virtual_time.link.foreign import readable, write
+from rclpy_virtual_time.link.foreign import readable
 from rclpy_virtual_time.link.host_process import HostProcess
 from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.pipes import Channel
-from rclpy_virtual_time.link.ros_environment import find_ros, portable_ros
+from rclpy_virtual_time.link.real_clock import real_clock
+from rclpy_virtual_time.link.ros_environment import RosEnvironment
 from rclpy_virtual_time.link.scratch import fresh_folder
 from rclpy_virtual_time.link.settings import EPOCH
 
@@ -77,7 +77,7 @@ class TestHosts:
         try:
             order, patience = _order(item)
             if self._forkserver is None:
-                ros = portable_ros() if self._portable else find_ros()
+                ros = RosEnvironment.portable() if self._portable else RosEnvironment.find()
                 self._forkserver = ForkServer(EPOCH, ros, kind=TESTS, layers=())
             with fresh_folder() as folder, self._forkserver.host_process(folder) as host:
                 return _TestLink(host, item).conduct(order, patience)
@@ -106,7 +106,7 @@ class _TestLink(Channel):
             problem = f"the test's process said what it can't: {error}"
         said = self.log()
         if self._item.config.getoption("capture", "fd") == "no":
-            write(readable("".join(f"{line.text}\n" for line in said)))
+            sys.stdout.write(readable("".join(f"{line.text}\n" for line in said)))
         if problem or not self._reports:
             text = problem or "the test was not found in its own process"
             self._reports.append(_failure(self._item, text))

@@ -17,8 +17,8 @@ from grader.claims.claims import Claim, grade_claim
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.skeletons import strip_solution
 from grader.grading.grading import Grading, grade
+from grader.launchers import ForkServerPool
 from grader.trial.trials import SavedTrials
-from rclpy_virtual_time.link.pool import ForkServerPool
 
 BLOCK = re.compile(
     r"^ *### BEGIN SOLUTION\n(?P<right>.*?)(?: *### SKELETON\n(?P<stub>.*?))? *### END SOLUTION\n",

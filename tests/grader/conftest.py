@@ -13,7 +13,7 @@ from grader.launchers import fork_server
 from grader.recording import Recording
 from grader.trial.virtual_time import Limits, run_trial
 from rclpy_virtual_time.link.hosts import ForkServer
-from rclpy_virtual_time.link.ros_environment import portable_ros
+from rclpy_virtual_time.link.ros_environment import RosEnvironment
 from sim.scenario import Scenario
 
 
@@ -30,7 +30,7 @@ def runtime(request: pytest.FixtureRequest, forkserver: ForkServer) -> Iterator[
         yield forkserver
         return
     try:
-        portable = portable_ros()
+        portable = RosEnvironment.portable()
     except InputError as error:
         pytest.skip(str(error))
     with fork_server(portable) as server:

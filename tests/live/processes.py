@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rclpy_virtual_time.link.hosts import LIVE_DDS
-from rclpy_virtual_time.link.ros_environment import find_ros
+from rclpy_virtual_time.link.ros_environment import RosEnvironment
 
 NODES = Path(__file__).parent / "nodes"
 ROOT = Path(__file__).resolve().parents[2]
@@ -26,12 +26,12 @@ def variables(domain: int, folder: Path) -> dict[str, str]:
     """Return the environment of a process in a DDS domain; it logs into the folder."""
     return {
         **os.environ,
-        **find_ros().variables(),
+        **RosEnvironment.find().variables(),
         **LIVE_DDS,
         "ROS_DOMAIN_ID": str(domain),
         "ROS_LOG_DIR": str(folder),
         "PYTHONUNBUFFERED": "1",
-        "PYTHONPATH": os.pathsep.join(map(str, find_ros().python_path)),
+        "PYTHONPATH": os.pathsep.join(map(str, RosEnvironment.find().python_path)),
     }
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from grader.course.exercises import SOLUTIONS
 from grader.errors import GraderError
-from grader.launchers import launcher_pool
+from grader.launchers import ForkServerPool, launcher_pool
 from grader.notebook import answers, judge
 from grader.notebook.judge import carry_out
 from grader.notebook.orders import (
@@ -26,7 +26,6 @@ from grader.notebook.orders import (
     Progressed,
     Warm,
 )
-from rclpy_virtual_time.link.pool import ForkServerPool
 
 AGENT = "obstacle_avoidance_agent.py"
 RIGHT = SOLUTIONS / "obstacle_avoidance" / AGENT

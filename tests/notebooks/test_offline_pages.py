@@ -18,7 +18,7 @@ from grader.nbgrader.intake import Cell
 from grader.nbgrader.offline import MAX_FORMULA, highlighted, page_of
 from grader.nbgrader.restore import MAX_PROSE, restored
 from grader.notebook.build import built, text_of
-from rclpy_virtual_time.link.cell import Refused
+from rclpy_virtual_time import FileReader
 
 STATIC = Path(nbgrader.__file__).parent / "server_extensions" / "formgrader" / "static"
 CSS = STATIC / "node_modules" / "bootstrap" / "dist" / "css"
@@ -280,7 +280,7 @@ def test_a_page_of_text_that_takes_long_is_made(
     page = render(v4.new_notebook(cells=[*cells, v4.new_code_cell("f(" * 20_000)]), "feedback")
     assert "takes more than 1 s of CPU time" in page
     assert page.count("shown as it was typed") >= 2
-    with pytest.raises(Refused, match="nested deeper"):
+    with pytest.raises(FileReader.Refused, match="nested deeper"):
         page_of("<div>" * 200, {})
 
 

@@ -30,12 +30,12 @@ from traitlets.config import Config
 from grader.course.exercises import find_exercise
 from grader.course.students import student_key
 from grader.errors import GraderError, InputError
+from grader.launchers import ForkServerPool
 from grader.nbgrader import autograde, configure, judge
 from grader.nbgrader.autograde import CourseExporter
 from grader.nbgrader.gradebook import Place
 from grader.nbgrader.judge import Verdict
 from grader.nbgrader.release import LeaveSkeletons
-from rclpy_virtual_time.link.pool import ForkServerPool
 
 pytestmark = pytest.mark.long
 SLUG = "obstacle_avoidance"
@@ -46,10 +46,11 @@ import os, sys
 from grader.errors import GraderError
 from grader.course.exercises import find_exercise
 from grader.grading import handed_in
+from rclpy_virtual_time import ForkServer
 
 if os.environ.get("TEST_OPEN"):
     said = "nothing is kept apart here; say so with --trust"
-    handed_in.foreign_code_problem = lambda layers: said
+    ForkServer.foreign_code = said
 if os.environ.get("TEST_FAULT"):
     def fault(*arguments, **more):
         raise GraderError("no host for the node")

@@ -15,7 +15,7 @@ from grader.nbgrader import intake
 from grader.nbgrader.cells import definition
 from grader.nbgrader.intake import Cell, read_cells
 from grader.nbgrader.restore import ABOUT, Trusted, restored, unreadable
-from rclpy_virtual_time.link.cell import Refused
+from rclpy_virtual_time import FileReader
 
 NODE = Trusted("node-agent", "code", "%%node agent.py\n# TODO", solution=True)
 TEST = Trusted("ex-wiring", "code", 'check("1:wiring")', points=5.0)
@@ -153,14 +153,14 @@ def written(folder: Path, content: Any) -> Path:
     ],
 )
 def test_what_is_no_notebook_is_unreadable(tmp_path: Path, data: bytes) -> None:
-    with pytest.raises(Refused):
+    with pytest.raises(FileReader.Refused):
         read_cells(written(tmp_path, data))
 
 
 @pytest.mark.parametrize("part", ["{},", "[],", '"","",'])
 def test_a_notebook_of_empty_parts_takes_no_memory(tmp_path: Path, part: str) -> None:
     many = f'{{"cells":[{part * intake.MAX_NESTED * 4}{{}}]}}'
-    with pytest.raises(Refused, match="far more parts"):
+    with pytest.raises(FileReader.Refused, match="far more parts"):
         read_cells(written(tmp_path, many.encode()))
 
 
@@ -172,12 +172,12 @@ def test_links_pipes_and_huge_files_are_not_read(
     os.mkfifo(tmp_path / "pipe.ipynb")
     (tmp_path / "folder.ipynb").mkdir()
     for name in ("link", "pipe", "folder", "missing"):
-        with pytest.raises(Refused):
+        with pytest.raises(FileReader.Refused):
             read_cells(tmp_path / f"{name}.ipynb")
 
     monkeypatch.setattr(intake, "MAX_NOTEBOOK", 1000)
     path = written(tmp_path, {"cells": [{"source": "x", "outputs": ["y" * 1000]}]})
-    with pytest.raises(Refused, match="clear its outputs"):
+    with pytest.raises(FileReader.Refused, match="clear its outputs"):
         read_cells(path)
 
 

@@ -21,7 +21,7 @@ from kernels import Kernel
 from grader.errors import InputError
 from grader.notebook import preparation
 from grader.notebook.bootstrap import BOOTSTRAP, with_address
-from rclpy_virtual_time.link.ros_environment import find_ros
+from rclpy_virtual_time.link.ros_environment import RosEnvironment
 
 ROOT = Path(preparation.__file__).resolve().parents[2]
 WHEEL = "rclpy_agents_course"  # the one package of the wheel
@@ -204,7 +204,7 @@ def test_ros_is_found_by_what_the_kernel_starts(
 ) -> None:
     monkeypatch.setattr(sys, "path", [str(tmp_path / "empty folders")])
     monkeypatch.setattr(os, "environ", {"LD_LIBRARY_PATH": "/mine"})
-    ros = replace(find_ros(), python_path=(tmp_path,), library_path=(tmp_path / "lib",))
+    ros = replace(RosEnvironment.find(), python_path=(tmp_path,), library_path=(tmp_path / "lib",))
     preparation.adopt(ros)
     assert sys.path[-1] == str(tmp_path)
     assert os.environ["LD_LIBRARY_PATH"].split(os.pathsep) == [str(tmp_path / "lib"), "/mine"]

@@ -15,7 +15,7 @@ from grader.course.submission import Submission
 from grader.errors import InputError
 from grader.launchers import fork_server
 from grader.trial.virtual_time import run_trial
-from rclpy_virtual_time.link.ros_environment import RosEnvironment, find_ros, portable_ros
+from rclpy_virtual_time.link.ros_environment import RosEnvironment
 from sim.scenario_files import load_scenario
 
 SCRIPTS = sorted((Path(__file__).parent / "scripts").glob("*.py"))
@@ -61,7 +61,7 @@ def said_in_a_host(script: Path, ros: RosEnvironment) -> list[str]:
 )
 def test_the_same_is_printed(script: Path, worker_id: str = "") -> None:
     try:
-        real, portable = find_ros(), portable_ros()
+        real, portable = RosEnvironment.find(), RosEnvironment.portable()
     except InputError as error:
         pytest.skip(f"nothing to compare with: {error}")
     domain = 60 + os.getpid() % 40

@@ -22,7 +22,7 @@ from grader.errors import InputError
 from grader.lms.book import Task
 from grader.lms.clean import visible
 from grader.lms.told import number, span, words
-from rclpy_virtual_time.link.cell import Refused, read_in_cell
+from rclpy_virtual_time import FileReader
 
 RUBRIC = "rubric.toml"  # in the folder of the class
 READ, SENT = "looked at", "sent by the student"  # reasons, where none is asked for
@@ -161,8 +161,8 @@ def rubric_of(out: Path) -> dict[str, float]:
 def request(class_: Marking, text: str) -> changes.Request:
     """Return what a student asks, by the text of the feedback page."""
     try:
-        said = read_in_cell(fields_of, text, returns=dict[str, str])
-    except Refused as error:
+        said = FileReader().read(fields_of, text, returns=dict[str, str])
+    except FileReader.Refused as error:
         raise InputError(str(error)) from None
     who, task = class_.student(said["student"]), class_.exercise(said["exercise"])
     check = said.get("check", "")
@@ -182,7 +182,7 @@ def fields_of(text: str) -> dict[str, str]:
 
     It may be anything, and is read in a cell.
 
-    Raises Refused: it is no request.
+    Raises FileReader.Refused: it is no request.
     """
     found: dict[str, str] = {}
     for line in visible(text[:MOST]).splitlines():
@@ -193,7 +193,7 @@ def fields_of(text: str) -> dict[str, str]:
             found[LAST] += " " + QUOTED.sub("", line)
     found = {name: " ".join(words.split()) for name, words in found.items()}
     if not all(found.get(name) for name in ("student", "exercise", LAST)):
-        raise Refused(f"this is no request: {EXPECTED}")
+        raise FileReader.Refused(f"this is no request: {EXPECTED}")
     return found
 
 

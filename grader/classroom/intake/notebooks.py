@@ -10,7 +10,7 @@ from typing import IO
 from grader.classroom.intake.skeletons import bare, skeletons
 from grader.nbgrader.cells import last_definitions, modules
 from grader.nbgrader.intake import cells_in
-from rclpy_virtual_time.link.cell import MIB, Limits, Refused, read_in_cell
+from rclpy_virtual_time import FileReader
 
 SUFFIX = ".ipynb"
 PLAIN = re.compile(r"cell_\d+\.py")
@@ -25,16 +25,15 @@ def node_files(notebook: Path, room: Path) -> list[Path]:
     not worked on, and is no file. Where no cell says what it writes, each that looks like a node
     is a file `cell_7.py`.
 
-    Raises Refused: it is no notebook.
+    Raises FileReader.Refused: it is no notebook.
     """
     known = skeletons()
     try:
-        texts = read_in_cell(
+        texts = FileReader(answer=64 << 20).read(
             texts_in, list(known), file=notebook, returns=dict[str, str],
-            limits=Limits(answer=64 * MIB),
         )  # fmt: skip
     except OSError as error:
-        raise Refused(f"the file cannot be read ({error.strerror})") from None
+        raise FileReader.Refused(f"the file cannot be read ({error.strerror})") from None
     plain = [name for name in texts if PLAIN.fullmatch(name)]
     worked = [name for name, text in texts.items() if bare(text) != known.get(name)]
     made = []
@@ -48,7 +47,7 @@ def node_files(notebook: Path, room: Path) -> list[Path]:
 def texts_in(notebook: IO[bytes], names: Sequence[str]) -> dict[str, str]:
     """Return the texts of the files called `names`, and of modules, that a notebook's cells write.
 
-    Raises Refused: it is no notebook.
+    Raises FileReader.Refused: it is no notebook.
     """
     cells = [(cell.kind, cell.source) for cell in cells_in(notebook)]
     texts, _ = last_definitions(cells, list(dict.fromkeys((*names, *modules(cells)))))

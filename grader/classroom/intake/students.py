@@ -30,7 +30,7 @@ from grader.lms.unpack import (
 from grader.lms.unpack import (
     LINK as NO_LINK,
 )
-from rclpy_virtual_time.link.cell import Broken, Refused
+from rclpy_virtual_time import FileReader
 
 MAX_LISTED = 20_000  # files of a student's folder that are listed
 MAX_NOTEBOOKS = 50  # of a student that are opened
@@ -97,9 +97,9 @@ def _opened(source: Path, room: Path, set_aside: list[SetAside]) -> Path:
         )
     try:
         odd = unpack(source, room, of_class=True)
-    except Broken as error:
+    except FileReader.Broken as error:
         raise InputError(f"{source}: a broken archive ({error}); download it again") from None
-    except Refused as refused:
+    except FileReader.Refused as refused:
         raise InputError(f"{source}: {refused}") from None
     set_aside += [SetAside(f"{source.name}: {name}", why) for name, why in odd]
     return _unwrapped(room)
@@ -232,10 +232,10 @@ def _unpacked(
         return []
     try:
         odd = unpack(file.path, room)
-    except Broken as error:
+    except FileReader.Broken as error:
         student.problems.append(f"{file.name}: a broken archive ({error}); ask for another copy")
         return []
-    except Refused as refused:
+    except FileReader.Refused as refused:
         student.problems.append(f"{file.name}: {refused}")
         return []
     except OSError as error:
@@ -261,7 +261,7 @@ def _open_notebooks(student: Student, room: Path) -> None:
     for number, file in enumerate(there[:MAX_NOTEBOOKS]):
         try:
             made = notebooks.node_files(file.path, room / str(number))
-        except Refused as error:
+        except FileReader.Refused as error:
             student.problems.append(f"{file.name}: {error}")
             continue
         student.files += [

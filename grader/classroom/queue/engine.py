@@ -7,10 +7,7 @@ with a single process, so that when one dies it is known which unit it ran.
 from __future__ import annotations
 
 import contextlib
-import multiprocessing
-import multiprocessing.connection
 import os
-import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -26,7 +23,7 @@ from typing import Any
 from grader.classroom.queue.work import Unit, UnitResult, grade_unit
 from grader.errors import GraderError, InputError
 from grader.grading.handed_in import isolation_problem
-from rclpy_virtual_time.link.interpreter import own_processes
+from grader.processes import end_with_parent, own_processes
 
 DASK_RETRIES = 2
 MAX_UNITS = 100  # of a local worker, which is then replaced, so that no leak adds up
@@ -165,12 +162,4 @@ def _one_process() -> ProcessPoolExecutor:
 def _begin_worker() -> None:
     """End the worker with its parent, but leave Ctrl-C to the parent."""
     os.setpgid(0, 0)
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
-
-
-def _end_with(sentinel: int) -> None:
-    with contextlib.suppress(OSError):
-        multiprocessing.connection.wait([sentinel])
-    os._exit(1)
+    end_with_parent()

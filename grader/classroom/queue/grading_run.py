@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import shutil
 import tarfile
 import tempfile
@@ -19,10 +20,11 @@ from grader.classroom.queue.store import Key, Store
 from grader.classroom.queue.work import Unit, UnitResult, stalled, unjudged
 from grader.classroom.row import GRADED, HELD, STALLS, TWICE, StoredResult
 from grader.errors import DiskFull, InputError, is_disk_full
-from rclpy_virtual_time.link.scratch import has_space
 
 MAX_DEATHS = 3  # of a unit's workers; then it is left to a person
 MAX_UNSURE = 2  # gradings that could not judge
+MIN_SPACE = 16 * 1024 * 1024  # [bytes] that a grading needs; the recordings of one take 1 to 5 MiB
+MIN_FILES = 200  # that a grading makes
 RECORDINGS = "recordings"
 PARTS = ".part"  # below RECORDINGS: bags that are being written
 
@@ -248,4 +250,14 @@ def _saved(result: StoredResult, out: Path) -> Unit:
         {},
         field=any(check["kind"] == "field" for check in old.get("checks", ())),
         saved=str(out / (result.recordings or "")),
+    )
+
+
+def has_space(*folders: Path) -> bool:
+    """Return whether a grading may still be written to each of these folders."""
+    found = [os.statvfs(folder) for folder in folders]
+    return all(
+        each.f_bavail * each.f_frsize >= MIN_SPACE
+        and (each.f_favail >= MIN_FILES or not each.f_files)
+        for each in found
     )

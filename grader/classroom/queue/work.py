@@ -25,7 +25,7 @@ from grader.course.students import Seed
 from grader.errors import is_disk_full
 from grader.grading.grading import grade
 from grader.grading.handed_in import grade_files, reason_of
-from rclpy_virtual_time.link.scratch import fresh_folder
+from rclpy_virtual_time import fresh_folder
 
 MOST_SENT = 96 * 2**20  # [bytes] of recordings sent back; exercise 3 with --field: 41 MiB
 UNIT_LIMIT = 2 * 3600.0  # [s] after which a worker exits; trials end long before that

@@ -23,7 +23,7 @@ from grader.errors import GraderError, is_disk_full
 from grader.lms import PLATFORMS
 from grader.lms.book import Book, Task
 from grader.lms.clean import one_line
-from rclpy_virtual_time.link.interpreter import own_processes
+from grader.processes import own_processes
 
 CLASS_PAGE = "class.html"
 PUBLISHED = "published"  # the folder

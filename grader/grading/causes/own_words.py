@@ -12,7 +12,7 @@ from grader.advice.plain_words import words_for
 from grader.advice.slips import said_in
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed, sentences
-from rclpy_virtual_time.link.log import LogLine
+from rclpy_virtual_time import LogLine
 
 OFTEN = 3  # times in a trial: once may be a model of ours that raises
 AT_ONCE = 0.05  # [s]

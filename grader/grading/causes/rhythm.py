@@ -15,7 +15,7 @@ import numpy as np
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed
 from grader.recording import Recording
-from rclpy_virtual_time.host.frames import OWN_TIMER
+from rclpy_virtual_time import Note
 from sim.messages import CMD_VEL_TOPIC
 
 BURST = 20  # commands at one moment: no timer does that
@@ -46,7 +46,7 @@ def kept_waiting(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
             text = f"{note.about} takes {lasted:.2f} s, as at {since:.2f} s, and " + (
                 "its timer can't call it again before that is over. Don't sleep or wait in it: "
                 "take what is there."
-                if note.more == OWN_TIMER
+                if note.more == Note.OWN_TIMER
                 else f"meanwhile {note.more} can't be called. Callbacks run side by side if they "
                 "are of different callback groups, and the executor that spins the node has two "
                 "threads."

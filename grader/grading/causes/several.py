@@ -19,7 +19,7 @@ from grader.checks.predictions import CALLED, OTHERWISE, PREDICT
 from grader.course.exercises import Exercise
 from grader.exercises import oracle_of
 from grader.grading.causes.cause import ByName, Cause, Failed, hint_for, sentences
-from rclpy_virtual_time.link.log import LogLine
+from rclpy_virtual_time import LogLine
 
 AT_ONCE = 0.05  # [s]
 MAX_LINE = 160  # [characters]

@@ -8,8 +8,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
+from grader.hosted.fields import MAX_TEXT
 from grader.hosted.questions import Question, ask
-from rclpy_virtual_time.host.frames import MAX_TEXT
 
 
 class DetectionAsker(Node):  # type: ignore[misc]

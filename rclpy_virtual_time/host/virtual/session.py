@@ -19,9 +19,7 @@ from ..desk import desk
 from ..frames import (
     MAX_LEAD,
     MAX_NAME,
-    MAX_NOTES,
     MAX_PUBLISHED,
-    MAX_QUESTIONS,
     Note,
     Question,
     Run,
@@ -118,7 +116,7 @@ class Session(kernel_module.World):
         if before is not None:
             longest = note if note.lasted >= before.lasted else before
             note = msgspec.structs.replace(longest, count=before.count + note.count)
-        if note != before and (before or len(self._notes) < MAX_NOTES):
+        if note != before and (before or len(self._notes) < Note.MOST):
             self._notes[key] = self._news[key] = note
 
     def switched(self, before: object, after: object) -> None:
@@ -128,8 +126,8 @@ class Session(kernel_module.World):
 
     def ask(self, data: bytes) -> bytes:
         """Ask the judge, and wait as long as the answer takes."""
-        if len(self._asking) >= MAX_QUESTIONS:
-            raise RuntimeError(f"{MAX_QUESTIONS} threads ask the model at the same time")
+        if len(self._asking) >= Settled.MAX_QUESTIONS:
+            raise RuntimeError(f"{Settled.MAX_QUESTIONS} threads ask the model at the same time")
         number = next(self._numbers)
         if not self._questions:  # the judge is told before time goes on
             self._agreed, self.until = self.until, self.kernel.now

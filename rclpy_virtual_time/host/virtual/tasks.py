@@ -15,7 +15,7 @@ from rclpy.executors import MultiThreadedExecutor
 from rclpy.task import Future, Task
 from rclpy.timer import Timer
 
-from ..frames import OWN_TIMER, Note
+from ..frames import Note
 from ..imports import host, place_of
 from .kernel import IDLE_STEP, Kernel, real_get_ident
 
@@ -124,7 +124,7 @@ def _block(task: Any, begin: int, now: int) -> Note | None:
     group = entity.callback_group if _has_threads(task._executor()) else None
     more = _kept_waiting(task, entity, group)
     if isinstance(entity, Timer) and now - begin > entity.timer_period_ns:
-        more = more or OWN_TIMER
+        more = more or Note.OWN_TIMER
     place = place_of(code, code.co_firstlineno)
     return Note("lasts", code.co_name, place, 1, max(0, begin), now - begin, more) if more else None
 

@@ -15,10 +15,10 @@ import cell_works
 import pytest
 
 from rclpy_virtual_time.link import cell
-from rclpy_virtual_time.link.cell import MIB, Broken, Limits, Refused, read_in_cell
+from rclpy_virtual_time.link.cell import MIB, Broken, FileReader, Refused
 from rclpy_virtual_time.tests.ordinary import said_by_ordinary
 
-LIMITS = Limits(memory=128 * MIB, cpu=1, file=MIB // 2, answer=MIB)
+READER = FileReader(memory=128 * MIB, cpu=1, file=MIB // 2, answer=MIB)
 ENDS: dict[str, tuple[Callable[..., Any], tuple[Any, ...], Any, str]] = {
     "refusal": (cell_works.refuse, ("no",), None, "^no$"),
     "exception": (cell_works.fail, ("x" * 10**6,), None, "^ValueError: x+$"),
@@ -42,11 +42,11 @@ def own_server() -> None:
 def test_an_end_costs_one_file_with_a_reason(name: str, tmp_path: Path) -> None:
     work, arguments, returns, reason = ENDS[name]
     with pytest.raises(Refused, match=reason) as ended:
-        read_in_cell(work, *arguments, returns=returns, limits=LIMITS)
+        READER.read(work, *arguments, returns=returns)
     assert len(str(ended.value)) < 1_000
     assert isinstance(ended.value, Broken) == (name == "exception")
     (tmp_path / "next").write_bytes(b"1234")
-    assert read_in_cell(cell_works.size, file=tmp_path / "next", returns=int) == 4
+    assert FileReader().read(cell_works.size, file=tmp_path / "next", returns=int) == 4
 
 
 TRY = """
@@ -54,13 +54,13 @@ import json, sys, tempfile, os
 from pathlib import Path
 sys.path.insert(0, {here!r})
 import cell_works
-from rclpy_virtual_time.link.cell import Limits, read_in_cell
+from rclpy_virtual_time.link.cell import FileReader
 folder = Path(tempfile.mkdtemp())
 (folder / "room").mkdir()
 (folder / "secret").write_text("the course's secret")
 os.environ["SECRET"] = "x"
-print(json.dumps(read_in_cell(cell_works.attempts, str(folder / "secret"), room=folder / "room",
-                              returns=list[str], limits=Limits(file=1000))))
+print(json.dumps(FileReader(file=1000).read(cell_works.attempts, str(folder / "secret"),
+    room=folder / "room", returns=list[str])))
 """
 
 
@@ -82,7 +82,7 @@ def test_links_and_pipes_are_not_opened(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     for name in ("link", "pipe", "missing"):
         with pytest.raises(OSError):
-            read_in_cell(cell_works.size, file=tmp_path / name, returns=int)
+            FileReader().read(cell_works.size, file=tmp_path / name, returns=int)
 
 
 WAIT = """
@@ -90,11 +90,11 @@ import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background ignores it
 sys.path.insert(0, {here!r})
 import cell_works
-from rclpy_virtual_time.link.cell import Limits, read_in_cell
-read_in_cell(cell_works.lie, returns=dict[str, list[int]])
+from rclpy_virtual_time.link.cell import FileReader
+FileReader().read(cell_works.lie, returns=dict[str, list[int]])
 try:
     print("reading", flush=True)
-    read_in_cell(cell_works.spin, returns=None, limits=Limits(cpu=600))
+    FileReader(cpu=600).read(cell_works.spin, returns=None)
 except KeyboardInterrupt:
     print("interrupted", flush=True)
 """

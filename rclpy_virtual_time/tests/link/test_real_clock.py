@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rclpy_virtual_time.link import real_clock
+from rclpy_virtual_time.link.real_clock import real_clock
 
 ROOT = Path(__file__).resolve().parents[3]
 ROOMS = (
@@ -23,7 +23,7 @@ ROOMS = (
 CLOCKS = {"time", "datetime"}
 VIRTUAL = """
 import os, time
-from rclpy_virtual_time.link import real_clock
+from rclpy_virtual_time.link.real_clock import real_clock
 from rclpy_virtual_time.host.virtual import threads
 from rclpy_virtual_time.host.virtual.kernel import Kernel
 

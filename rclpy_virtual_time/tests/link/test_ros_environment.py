@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rclpy_virtual_time.link.errors import NoRos
-from rclpy_virtual_time.link.ros_environment import find_ros
+from rclpy_virtual_time.link.ros_environment import RosEnvironment
 
 VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
 
@@ -50,7 +50,7 @@ def apt(tmp_path: Path) -> dict[str, str]:
 
 def test_wheels_in_a_venv(venv: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "path", [str(venv), *sys.path])
-    ros = find_ros({}, [venv])
+    ros = RosEnvironment.find({}, [venv])
 
     assert ros.kind == "wheels"
     assert ros.python_path == (venv,)
@@ -71,7 +71,7 @@ def test_wheels_under_debians_python(tmp_path: Path) -> None:
     wheels = install(lib / "site-packages")
     libraries = [*bundle(wheels), *bundle(lib / "dist-packages")]  # next door
     (lib / "dist-packages" / "rclpy").mkdir(parents=True)  # the empty shell
-    ros = find_ros({}, [lib / "dist-packages", wheels])
+    ros = RosEnvironment.find({}, [lib / "dist-packages", wheels])
 
     assert ros.kind == "system wheels"
     assert ros.python_path == (wheels,)
@@ -80,7 +80,7 @@ def test_wheels_under_debians_python(tmp_path: Path) -> None:
 
 
 def test_a_sourced_apt_installation_comes_first(apt: dict[str, str], venv: Path) -> None:
-    ros = find_ros(apt, [venv])
+    ros = RosEnvironment.find(apt, [venv])
 
     assert ros.kind == "apt"
     assert [str(path) for path in ros.python_path] == [apt["PYTHONPATH"]]
@@ -95,7 +95,7 @@ def test_a_workspace_on_top(apt: dict[str, str], tmp_path: Path) -> None:
         "AMENT_PREFIX_PATH": f"{workspace}:{apt['AMENT_PREFIX_PATH']}",
         "PYTHONPATH": f"{workspace}/lib:{apt['PYTHONPATH']}:",
     }
-    ros = find_ros(overlaid, [])
+    ros = RosEnvironment.find(overlaid, [])
 
     assert ros.prefixes == (workspace, Path(apt["AMENT_PREFIX_PATH"]))
     assert len(ros.python_path) == 2
@@ -124,7 +124,7 @@ def test_without_ros_it_says_how_to_install_it(
         case "half sourced":
             environ = {"AMENT_PREFIX_PATH": apt["AMENT_PREFIX_PATH"], "PYTHONPATH": ""}
     with pytest.raises(NoRos) as caught:
-        find_ros(environ, [folder])
+        RosEnvironment.find(environ, [folder])
 
     said = str(caught.value)
     assert "pip install" in said
@@ -133,7 +133,7 @@ def test_without_ros_it_says_how_to_install_it(
 
 
 def test_the_real_one() -> None:
-    ros = find_ros()
+    ros = RosEnvironment.find()
 
     assert any((path / "rclpy" / "__init__.py").is_file() for path in ros.python_path)
     assert all(path.is_dir() for path in ros.library_path)
@@ -144,6 +144,6 @@ def test_another_rclpy_is_not_taken_for_jazzys(tmp_path: Path, venv: Path) -> No
     packages = install(root / "lib" / f"python{VERSION}" / "site-packages", rclpy="9.1.1")
     sourced = {"AMENT_PREFIX_PATH": str(root), "PYTHONPATH": str(packages)}
 
-    assert "wheels" in find_ros(sourced, [venv]).kind
+    assert "wheels" in RosEnvironment.find(sourced, [venv]).kind
     with pytest.raises(NoRos, match=r"kilted has rclpy 9\.1, and this is made for 7\.1"):
-        find_ros(sourced, [])
+        RosEnvironment.find(sourced, [])

@@ -13,7 +13,7 @@ from grader.claims.claims import Claim, claims, complete
 from grader.course.exercises import all_exercises
 from grader.course.students import student_key
 from grader.grading.grading import grade_submission
-from rclpy_virtual_time.link.pool import ForkServerPool
+from grader.launchers import ForkServerPool
 
 SECRET = b"not a secret: for measuring only"
 QUICK = ("trend_memory",)  # in `make test`

@@ -26,10 +26,10 @@ from grader.errors import GraderError
 from grader.exercises import oracle_of
 from grader.grading.grading import Grading, grade
 from grader.grading.plugin import UNAVAILABLE, CheckResult
+from grader.launchers import ForkServerPool
 from grader.trial.kept import KeptRecordings
 from grader.trial.trials import NodeTrials, SavedTrials, _trainings
 from rclpy_virtual_time.host.frames import Note
-from rclpy_virtual_time.link.pool import ForkServerPool
 from sim.scenario_files import load_scenario
 
 CLAIMS = {exercise.slug: list(claims(exercise)) for exercise in all_exercises()}

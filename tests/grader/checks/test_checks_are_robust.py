@@ -23,12 +23,12 @@ from grader.checks.verdict import CheckFailed, Inconclusive
 from grader.course.exercises import Exercise, all_exercises
 from grader.course.submission import find_submission
 from grader.exercises import oracle_of
+from grader.launchers import ForkServerPool
 from grader.recording import Outcome, Recording
 from grader.report.page import json_text
 from grader.trial.kept import KeptRecordings
 from grader.trial.trials import NodeTrials
 from rclpy_virtual_time.link.hosts import ForkServer
-from rclpy_virtual_time.link.pool import ForkServerPool
 
 EXAMPLES = int(os.environ.get("COURSE_HOSTILE_EXAMPLES", "20"))  # for each exercise
 EXERCISES = [exercise.slug for exercise in all_exercises()]

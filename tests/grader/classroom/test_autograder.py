@@ -11,6 +11,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -199,7 +200,11 @@ def test_what_is_not_the_students_is_no_score(
     tried = []
     monkeypatch.setattr(autograder, "grade_unit", lambda unit: tried.append(unit) or came)
     monkeypatch.setattr(autograder, "why_none_runs", lambda: none_runs)
-    monkeypatch.setattr(autograder, "layers_here", lambda: frozenset(layers))
+    monkeypatch.setattr(
+        autograder,
+        "launcher_here",
+        lambda: SimpleNamespace(guards_files=layers & {"files", "user"}),
+    )
 
     assert main([str(place)]) == bool(said)
 

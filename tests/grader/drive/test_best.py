@@ -13,9 +13,9 @@ from grader.course.submission import find_submission
 from grader.grading.best import Drive, best_table, drive_in, remember_best
 from grader.grading.grading import Grading
 from grader.grading.plugin import PASS, CheckResult
+from grader.launchers import ForkServerPool
 from grader.recording import Recording
 from grader.trial.trials import NodeTrials
-from rclpy_virtual_time.link.pool import ForkServerPool
 from sim.scenario_files import load_scenario
 
 FIRST = find_exercise("1")

@@ -24,7 +24,7 @@ from grader.drive import (
 from grader.drive.summary import NO_MAIN
 from grader.errors import InputError
 from grader.recording import Outcome, Recording
-from rclpy_virtual_time.host.frames import MAX_STDIN
+from rclpy_virtual_time import Start
 from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario import Transforms
 from sim.scenario_files import load_scenario
@@ -308,7 +308,7 @@ def test_what_is_to_be_read_from_stdin(tmp_path: Path, monkeypatch: pytest.Monke
     assert read_stdin("-") == b"0.4\n"
     with pytest.raises(InputError, match="No such file"):
         read_stdin(str(tmp_path / "none"))
-    file.write_bytes(b"x" * (MAX_STDIN + 1))
+    file.write_bytes(b"x" * (Start.MAX_STDIN + 1))
     with pytest.raises(InputError, match="expected at most"):
         read_stdin(str(file))
 

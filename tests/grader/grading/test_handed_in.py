@@ -8,6 +8,7 @@ from grader.course.exercises import find_exercise
 from grader.errors import GraderError
 from grader.grading import handed_in
 from grader.grading.handed_in import grade_files, isolation_problem
+from rclpy_virtual_time import ForkServer
 
 EXERCISE = find_exercise("obstacle_avoidance")
 FILE = EXERCISE.files[0]
@@ -24,7 +25,7 @@ def test_a_skeleton_is_graded() -> None:
 def test_without_trust_a_machine_with_weak_isolation_runs_nothing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(handed_in, "foreign_code_problem", lambda _: "too open")
+    monkeypatch.setattr(ForkServer, "foreign_code", "too open")
     monkeypatch.setattr(handed_in, "grade_submission", lambda *_, **__: pytest.fail("ran"))
 
     assert isolation_problem() == "too open"

@@ -10,11 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from grader.launchers import ADVICE
+from grader.launchers import ADVICE, ForkServerPool
 from rclpy_portable import unpacking
 from rclpy_virtual_time.host.frames import Ended, ProgramStart, Start
 from rclpy_virtual_time.link.hosts import ForkServer
-from rclpy_virtual_time.link.pool import ForkServerPool
 from rclpy_virtual_time.link.practice import PracticeServer
 from sim.messages import EPOCH_NS
 

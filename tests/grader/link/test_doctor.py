@@ -17,11 +17,11 @@ from grader.report.diagnosis import render_diagnosis
 from rclpy_virtual_time.host.frames import Hello
 from rclpy_virtual_time.host.sandbox.layers import CALLS, FILES, LAYERS, LIMITS, USER
 from rclpy_virtual_time.link import doctor
-from rclpy_virtual_time.link.doctor import Diagnosis, Layer, diagnose, foreign_code_problem, gaps
+from rclpy_virtual_time.link.doctor import Diagnosis, Layer, gaps
 
 
 def test_this_machine_can_run_nodes() -> None:
-    found = diagnose()
+    found = Diagnosis.of_this_machine()
 
     assert (found.problem, why_none_runs()) == ("", "")
     assert found.ros
@@ -35,7 +35,7 @@ def test_this_machine_can_run_nodes() -> None:
     [(LAYERS, True), ((LIMITS, FILES), True), ((LIMITS, USER, CALLS), False), ((LIMITS,), False)],
 )
 def test_foreign_code_needs_a_wall_around_files(layers: tuple[str, ...], allowed: bool) -> None:
-    assert (foreign_code_problem(layers) == "") == allowed
+    assert (machine(layers=layers).foreign_code == "") == allowed
 
 
 WORDS = {  # taken away: what is said of it
@@ -75,7 +75,7 @@ def test_a_fork_server_with_less_is_diagnosed(monkeypatch: pytest.MonkeyPatch) -
     """Not only made-up means: hosts that really lack layers say so."""
     less = functools.partial(doctor.ForkServer, layers=(LIMITS, FILES), landlock=1)
     monkeypatch.setattr(doctor, "ForkServer", less)
-    found = diagnose()
+    found = Diagnosis.of_this_machine()
 
     here = {layer.name: layer for layer in found.layers if layer.here}
     if FILES not in here:
@@ -124,7 +124,7 @@ def test_the_page_names_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None
 def test_the_exit_code(
     found: Diagnosis, tried: str, code: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(doctor, "diagnose", lambda: found)
+    monkeypatch.setattr(Diagnosis, "of_this_machine", lambda: found)
     monkeypatch.setattr("grader.grading.trying.why_none_runs", lambda: tried)
     monkeypatch.setattr("grader.grading.trying.imports_that_fail", lambda: ["no torch"])
     result = CliRunner().invoke(cli, ["doctor"], standalone_mode=False)

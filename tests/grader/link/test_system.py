@@ -13,7 +13,7 @@ from grader.course.installed import never_run
 from grader.report.diagnosis import render_practice
 from rclpy_virtual_time.link import system
 from rclpy_virtual_time.link.errors import NoRos
-from rclpy_virtual_time.link.ros_environment import find_ros
+from rclpy_virtual_time.link.ros_environment import RosEnvironment
 
 TRIED = ("linux", "x86_64")
 UNTRIED = [("darwin", "arm64"), ("darwin", "x86_64"), ("win32", "AMD64"), ("linux", "aarch64")]
@@ -43,7 +43,7 @@ def test_nobody_is_asked_to_install_wheels_that_there_are_none_of(
     be(monkeypatch, *found)
     monkeypatch.setattr(sys, "version_info", version)
     with pytest.raises(NoRos) as error:
-        find_ros({}, ())
+        RosEnvironment.find({}, ())
     there_are = found == TRIED and version < (3, 14)
     assert (never_run() == "") == (found == TRIED)
     assert system.has_ros_wheels() == there_are

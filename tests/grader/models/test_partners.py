@@ -6,8 +6,8 @@ import pytest
 from grader.hosted.questions import Question, Told
 from grader.models.partners import NEVER, SERVICE
 from grader.models.service import ModelService, TooManyQuestions
+from rclpy_virtual_time import Settled
 from rclpy_virtual_time.host import frames
-from rclpy_virtual_time.host.frames import MAX_QUESTIONS
 from sim.scenario import Scenario
 from sim.scenario_files import load_scenario
 
@@ -59,7 +59,7 @@ def test_no_server_answers_before_it_starts_and_after_it_was_killed() -> None:
 
 def test_in_real_time_turns_wait_for_the_beginning_and_requests_are_refused() -> None:
     models, early = service(began=None), service(RESTART, None)
-    for _ in range(MAX_QUESTIONS):
+    for _ in range(Settled.MAX_QUESTIONS):
         models.ask(TURN, 5)
     with pytest.raises(TooManyQuestions):
         models.ask(TURN, 6)
