@@ -16,6 +16,7 @@ import numpy as np
 from grader.hosted.fields import MAX_LINE, Name, Text, sendable
 
 LOAD, PREDICT = "grader.hosted.models:load", "grader.hosted.models:predict"  # the tasks
+CONVERT = "grader.hosted.models:convert"
 FEATURES = 5
 MAX_VALUES = 100_000  # predictions in one answer
 
@@ -72,15 +73,15 @@ def predict(order: bytes) -> bytes:
     return msgspec.msgpack.encode(_predict(msgspec.msgpack.decode(order, type=Predict), _models))
 
 
+def convert(order: bytes) -> bytes:
+    """Convert a model to ONNX as a script does, and predict with that; return `Predicted`."""
+    return msgspec.msgpack.encode(_convert(msgspec.msgpack.decode(order, type=Predict), _models))
+
+
 def _load(order: LoadModels, models: dict[str, Any]) -> Loaded:
     problems = {name: _load_pickle(name, models) for name in order.pickles}
     try:
-        onnxruntime: Any = importlib.import_module("onnxruntime")
-        options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = options.inter_op_num_threads = 1
-        session = onnxruntime.InferenceSession(
-            order.onnx, options, providers=["CPUExecutionProvider"]
-        )
+        session = _session(order.onnx)
     except Exception as error:
         return Loaded({**problems, order.onnx: _problem(error)})
     models[order.onnx] = _Onnx(session)
@@ -89,6 +90,13 @@ def _load(order: LoadModels, models: dict[str, Any]) -> Loaded:
         tuple(_tensor(node) for node in session.get_inputs()),
         tuple(_tensor(node) for node in session.get_outputs()),
     )
+
+
+def _session(model: str | bytes) -> Any:
+    onnxruntime: Any = importlib.import_module("onnxruntime")
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    return onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
 
 
 def _load_pickle(name: str, models: dict[str, Any]) -> str:
@@ -108,6 +116,17 @@ def _predict(order: Predict, models: dict[str, Any]) -> Predicted:
     if values.size > MAX_VALUES:
         return Predicted(f"predict gave {values.size} values for {len(features)} rows")
     return Predicted("", values.shape, values.tobytes())
+
+
+def _convert(order: Predict, models: dict[str, Any]) -> Predicted:
+    model = models[order.file]
+    try:
+        skl2onnx: Any = importlib.import_module("skl2onnx")
+        written = skl2onnx.to_onnx(model, np.zeros((1, FEATURES), np.float32))
+        converted = _Onnx(_session(written.SerializeToString()))
+    except BaseException as error:  # skl2onnx raises anything, too
+        return Predicted(f"{type(model).__name__[:80]}, {_problem(error)}")
+    return _predict(order, {order.file: converted})
 
 
 class _Onnx:

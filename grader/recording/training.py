@@ -50,6 +50,7 @@ class Training(msgspec.Struct, frozen=True):
     pickle: ModelAnswers = ModelAnswers()
     again: ModelAnswers = ModelAnswers()  # the second run's
     onnx: ModelAnswers = ModelAnswers()
+    converted: ModelAnswers = ModelAnswers()  # where `onnx` is not as the pickle: as ONNX by us
     onnx_inputs: tuple[Tensor, ...] = ()
     onnx_outputs: tuple[Tensor, ...] = ()
     labels: bytes = b""  # float64, the expert's speeds [m/s]

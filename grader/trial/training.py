@@ -2,10 +2,10 @@
 
 The judge makes the data and keeps the hidden labels. With a seed other than the scenario's, they
 are those of another expert: what was learned at home helps no more. The script runs twice, each
-time in a fresh host; a third host loads what it wrote. If the first run ends with an error, the
-script gets plain numbers instead of a lidar's: one row that it does not expect should not hide all
-else it can do. The judge itself never unpickles anything: it only carries bytes from one host to
-the next, and reads numbers.
+time in a fresh host; a third host loads what it wrote. If the first run ends with an error before
+it has a model, the script gets plain numbers instead of a lidar's: one row that it does not expect
+should not hide all else it can do. The judge itself never unpickles anything: it only carries bytes
+from one host to the next, and reads numbers.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 from grader.course import installed
 from grader.course.submission import Submission, read_regular_file
 from grader.errors import GraderError
-from grader.hosted.models import LOAD, PREDICT, Loaded, LoadModels, Predict, Predicted
+from grader.hosted.models import CONVERT, LOAD, PREDICT, Loaded, LoadModels, Predict, Predicted
 from grader.models.dataset import HAS_EXPERT, Dataset, make_dataset
 from grader.models.features import features
 from grader.models.scans import PROFILE
@@ -104,11 +104,11 @@ def _train(
     hidden = make(spec.hidden_rows, 2 * seed + 1, blind=False)
     run, files, log = _run_script(submission, spec, data, workshop, (PICKLE, ONNX))
     training = Training(spec.script, runs=(run,), labels=hidden.speed.tobytes())
-    if run.kind in FAILED and not run.succeeded:
+    if run.kind in FAILED and not run.succeeded and PICKLE not in files:
         data = make(spec.rows, 2 * seed, plain=True)
         plain, files, _ = _run_script(submission, spec, data, workshop, (PICKLE, ONNX))
         training = msgspec.structs.replace(training, plain=plain)
-    if training.made.succeeded and files:
+    if PICKLE in files if training.made.kind in FAILED else training.made.succeeded and files:
         second, more, _ = _run_script(submission, spec, data, workshop, (AGAIN_PICKLE, AGAIN_ONNX))
         training = msgspec.structs.replace(training, runs=(run, second))
         training = _question({**files, **more}, training, hidden, workshop)
@@ -220,9 +220,11 @@ def _interview(link: Link, seen: Floats, training: Training) -> Training:
     wall, cpu = np.empty(0), np.empty(0)
     if not answers[PICKLE].problem:
         wall, cpu = _time_singles(link, seen)
+    converted = _converted(link, seen, answers[PICKLE], answers[ONNX])
     return msgspec.structs.replace(
         training,
         pickle=answers[PICKLE],
+        converted=converted,
         again=answers[AGAIN_PICKLE],
         onnx=answers[ONNX],
         onnx_inputs=loaded.inputs,
@@ -232,13 +234,24 @@ def _interview(link: Link, seen: Floats, training: Training) -> Training:
     )
 
 
-def _answers(link: Link, file: str, seen: Floats) -> ModelAnswers:
-    said = _ask(link, file, seen)
+def _converted(link: Link, seen: Floats, said: ModelAnswers, onnx: ModelAnswers) -> ModelAnswers:
+    """Where ONNX does not say what the pickle says, find out whether the converter is at fault."""
+    same = len(said.speeds) == len(onnx.speeds) and np.allclose(said.speeds, onnx.speeds, 0, 1e-4)
+    if said.problem or same:
+        return ModelAnswers()
+    try:
+        return _answers(link, PICKLE, seen, CONVERT)
+    except (HostHung, HostDied, Excess):
+        return ModelAnswers()
+
+
+def _answers(link: Link, file: str, seen: Floats, task: str = PREDICT) -> ModelAnswers:
+    said = _ask(link, file, seen, task)
     return ModelAnswers(said.problem, True, said.shape, said.values)
 
 
-def _ask(link: Link, file: str, seen: Floats) -> Predicted:
-    said, _ = link.carry_out(PREDICT, Predict(file, seen.tobytes()), Predicted, PREDICT_LIMIT)
+def _ask(link: Link, file: str, seen: Floats, task: str) -> Predicted:
+    said, _ = link.carry_out(task, Predict(file, seen.tobytes()), Predicted, PREDICT_LIMIT)
     if len(said.values) % 8:
         raise HostForged("no predictions")
     if not said.problem and 8 * math.prod(said.shape) != len(said.values):

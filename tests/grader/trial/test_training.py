@@ -108,3 +108,27 @@ def test_a_bag_keeps_what_was_trained(forkserver: ForkServer, tmp_path: Path) ->
     loaded = bag.load(bag.save(recording, tmp_path / "bag"))
     assert loaded.training == recording.training
     assert loaded.digest() == recording.digest()
+
+
+BOOSTED = """
+import pickle, numpy
+from sklearn.ensemble import HistGradientBoostingRegressor
+from skl2onnx import to_onnx
+from threadpoolctl import threadpool_limits
+x = numpy.random.rand(400, 5)
+with threadpool_limits(2):
+    model = HistGradientBoostingRegressor(max_iter=3).fit(x, x[:, 0] / 2)
+open(out, "wb").write(pickle.dumps(model))
+to_onnx(model, x[:1].astype(numpy.float32))
+"""
+
+
+def test_what_the_converter_cannot_write_is_still_a_pickle(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    """Boosted trees compute in threads of OpenMP, which a forked process may hang on."""
+    training = train(forkserver, tmp_path, BOOSTED).recording.training
+    assert training is not None
+    assert (training.made.kind, training.plain, len(training.runs)) == ("exception", None, 2)
+    assert (training.pickle.problem, training.pickle.shape) == ("", (100,))
+    assert "HistGradientBoostingRegressor, ValueError" in training.converted.problem
