@@ -13,7 +13,6 @@ from grader.recording import ENDS, Floats, Recording, made_again, rise_of
 OFTEN = 90  # [%] stalls of a machine don't hit one callback in ten, unless threads queue for it
 MIN_CALLBACKS = 200  # to measure
 HOUR = 3600.0  # [s] a robot drives at least as long
-UNEXPLAINED = 0.02  # [s] of a turn without CPU time; below it nobody measured the wait for a CPU
 
 
 def quick(recordings: Sequence[Recording], limit: float) -> None:
@@ -91,8 +90,5 @@ def costs(recording: Recording) -> Floats:
     begins = begins[begins < len(cost.time)]
     if not len(begins):
         return np.zeros((4, 0))
-    computed = np.fmin(cost.wall, cost.cpu)
-    waited = cost.wall - computed > UNEXPLAINED
-    busy = np.where(waited, np.maximum(cost.wall - cost.queued, computed), computed)
-    sums = [np.add.reduceat(each, begins) for each in (computed, busy)]
+    sums = [np.add.reduceat(each, begins) for each in (cost.computed, cost.busy)]
     return np.stack([cost.time[begins], cost.wall[begins], *sums])

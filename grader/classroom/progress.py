@@ -24,6 +24,7 @@ class Progress:
         self._before = 0  # units that an earlier run has graded
         self._begun = 0.0  # [s]
         self._over: set[tuple[str, str]] = set()  # each unit counts once
+        self._came = 0  # gradings: a unit that is put off has one more to come
 
     def begin(self, total: int, before: int = 0) -> None:
         """Begin: `total` units are to be graded, and `before` are, by an earlier run."""
@@ -36,6 +37,7 @@ class Progress:
 
         One that is graded again, because the grader was not to be trusted, comes back twice.
         """
+        self._came += 1
         if over:
             self._over.add((student, exercise))
             self._total = max(self._total, len(self._over))  # with some of an earlier run
@@ -46,10 +48,10 @@ class Progress:
 
     def _left(self) -> str:
         """Say, now and then, how long the rest will take at this pace."""
-        done, left = len(self._over), self._total - len(self._over)
-        if not left or done % EVERY:
+        left = self._total - len(self._over)
+        if not left or self._came % EVERY:
             return ""
-        minutes = (time.monotonic() - self._begun) / max(done, 1) * left / 60
+        minutes = (time.monotonic() - self._begun) / self._came * left / 60
         return f"  (about {max(1, round(minutes))} min left)"
 
     def say(self, text: str) -> None:

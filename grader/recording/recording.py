@@ -37,6 +37,7 @@ from sim.sensors import OFFERED
 from sim.simulation import Truth
 
 COMPLETED = "completed"
+UNEXPLAINED = 0.02  # [s] of a turn without CPU time; below it nobody measured the wait for a CPU
 WELL = (("exited", "sys.exit()"), ("exited", "sys.exit(0)"), ("exited", "sys.exit(False)"))
 SHUT_DOWN = (
     "Ctrl-C has shut rclpy down by then: publish only if rclpy.ok(), and call rclpy.try_shutdown()"
@@ -96,6 +97,17 @@ class Compute:
     wall: Floats  # (n,) [s]
     cpu: Floats  # (n,) [s] of the host's process; nan where the system doesn't tell
     queued: Floats  # (n,) [s] waited for a CPU, by host or judge; measured only if wall >> cpu
+
+    @property
+    def computed(self) -> Floats:
+        """(n,) [s] without waits; where the system doesn't tell, without what may be one."""
+        return np.where(np.isnan(self.cpu), self.wall - self.queued, np.fmin(self.wall, self.cpu))
+
+    @property
+    def busy(self) -> Floats:
+        """(n,) [s] in which the node computed, or waited for anything but a CPU."""
+        waited = self.wall - self.computed > UNEXPLAINED
+        return np.where(waited, np.maximum(self.wall - self.queued, self.computed), self.computed)
 
 
 class Live(msgspec.Struct, frozen=True):

@@ -23,7 +23,7 @@ from grader.trial.progress import LEFT_OUT, TRIAL, OnProgress, Step, ignore
 from grader.trial.seeds import trial_seed
 from grader.trial.training import Trained, run_training
 from grader.trial.virtual_time import Limits, run_trial
-from rclpy_virtual_time import Launcher, real_clock
+from rclpy_virtual_time import Launcher
 from sim.scenario import Scenario
 from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
@@ -34,7 +34,7 @@ IMPATIENT = Limits(start=10.0, step=1.0, total=20.0)  # once a node has hung
 NOT_RUN = "The node {ended} in the run {name}, so {count} were left out."
 ENDED = {"hung": "hung", "never_spun": "never spun"}
 AFTER = "After the run {name} the node was sent Ctrl-C, which costs no points: {what}"
-PATIENCE = 300.0  # [s] of wall time, less waits for a CPU, that all its virtual trials may take
+PATIENCE = 300.0  # [s] of computing, and of waits for anything but a CPU, in all virtual trials
 HURRIED = Limits(total=20.0)  # once they have
 MUCH, LITTLE = 128 * 2**20, 2**20  # [bytes] published in all trials; then in each that is left
 SLOW = (
@@ -122,7 +122,7 @@ class NodeTrials(Trials):
         self._planned, self._ended = 0, 0  # trials
         self._counting = threading.Lock()
         self._halted = False  # it hung or ended at once: what no check asks for doesn't run
-        self._took: list[float] = []  # [s] of wall time by each virtual trial
+        self._took: list[float] = []  # [s] by each virtual trial
         self._published = 0  # [bytes] in them
         self._interrupted: str | None = None  # the scenario at whose end Ctrl-C is tried
         self._second_look = threading.Lock()  # at a node that hung in virtual time
@@ -327,7 +327,6 @@ class NodeTrials(Trials):
         limits = IMPATIENT if self._hung else limits
         if self._published > MUCH:  # all is kept until the last check, and in bags for good
             limits = replace(limits, published=LITTLE)
-        began = real_clock.perf_counter()
         recording = run_trial(
             self.submission,
             scenario,
@@ -337,8 +336,7 @@ class NodeTrials(Trials):
             files=files,
             interrupt=scenario.name == self._interrupted,
         )
-        spent = real_clock.perf_counter() - began
-        self._took.append(spent - float(recording.compute.queued.sum()))
+        self._took.append(float(recording.compute.busy.sum()))
         self._published += sum(len(message.data) for message in recording.published)
         if self.launcher.practice:
             return recording  # there is no real time: the node hangs, or can't run

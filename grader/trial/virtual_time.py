@@ -329,7 +329,7 @@ class _Trial:
         recorder.note_endpoints(answer.endpoints)
         recorder.note(answer.notes)
         commands = recorder.hear(answer.published, began, reached)
-        self._waited += cost.queued
+        self._waited += cost.waited
         recorder.compute.append((began / 1e9, cost.wall, cost.cpu, cost.queued))
         if isinstance(answer, Ended):
             roll_on(self._simulation, reached, commands)

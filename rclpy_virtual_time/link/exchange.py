@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
 import msgspec
 
+UNEXPLAINED = 0.02  # [s] of an exchange without CPU time: something was waited for
+STARVED = 4  # times its limit a host may take that the machine does not let run
 MAX_REASON = 300  # [characters] of why a frame was refused: it may quote the frame
 
 Answer = TypeVar("Answer")
@@ -40,6 +43,17 @@ class Cost:
     wall: float  # [s]
     cpu: float  # [s]; nan where the system doesn't tell
     queued: float = 0.0  # [s] waited for a CPU, by host or judge; measured only if wall >> cpu
+
+    @classmethod
+    def uncounted(cls, wall: float, cpu: float) -> Cost:
+        """Return the cost where nothing counts waits for a CPU: any wait may have been one."""
+        return cls(wall, cpu, wall if math.isnan(cpu) else max(0.0, wall - cpu))
+
+    @property
+    def waited(self) -> float:
+        """[s] that the host may have waited for a CPU."""
+        idle = self.wall - self.cpu
+        return max(0.0, idle) if idle <= UNEXPLAINED else self.queued
 
 
 def status_text(status: str) -> str:

@@ -12,6 +12,7 @@ that has warmed up, a fork or an image of memory, and all that comes out of it i
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
@@ -269,7 +270,8 @@ class _OwnWire(Wire, Generic[Result]):
     def send(self, frame: object) -> None:
         """Give an answer to the judge; the end of the trial unwinds the program."""
         wall, cpu = self._asked_at
-        cost = Cost(real_clock.perf_counter() - wall, real_clock.process_time() - cpu)
+        computed = real_clock.process_time() - cpu or math.nan  # a browser has no such clock
+        cost = Cost.uncounted(real_clock.perf_counter() - wall, computed)
         flush_output()
         if self._end is None:
             try:

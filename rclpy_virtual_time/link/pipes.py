@@ -5,9 +5,17 @@ from __future__ import annotations
 import contextlib
 import os
 import select
+from pathlib import Path
 
 from rclpy_virtual_time.host.frames import LENGTH, MAX_FRAME
-from rclpy_virtual_time.link.exchange import Cost, HostDied, HostForged, HostHung
+from rclpy_virtual_time.link.exchange import (
+    STARVED,
+    UNEXPLAINED,
+    Cost,
+    HostDied,
+    HostForged,
+    HostHung,
+)
 from rclpy_virtual_time.link.host_process import HostProcess
 from rclpy_virtual_time.link.log import LogLine
 from rclpy_virtual_time.link.output import Output, in_order
@@ -17,8 +25,7 @@ from rclpy_virtual_time.link.run_queue import RunQueue
 CHUNK = 65536  # [bytes] read at once; as much as a pipe holds
 DRAINS = 16  # chunks read at the end, from a host that may still be writing
 PATROL = 0.02  # [s] after which the judge reads output as it comes, and looks at the host again
-UNEXPLAINED = 0.02  # [s] of an exchange without CPU time: something was waited for
-STARVED = 4  # times its limit a host may take that the machine does not let run
+COUNTED = Path("/proc/self/schedstat").exists()  # waits for a CPU, by the kernel
 STACK_TIME = 0.3  # [s] a hung host gets for writing its stacks
 
 
@@ -147,6 +154,8 @@ class Pipes(Channel):
         self._write(data, started + limit)
         body = self._receive(started, cpu, limit)
         wall, cpu = real_clock.perf_counter() - started, self.cpu() - cpu
+        if not COUNTED:
+            return body, Cost.uncounted(wall, cpu)
         first, self._first = self._first, False  # 0 then: what was waited for until now
         queued = self._queued() if first or wall - cpu > UNEXPLAINED else 0.0
         return body, Cost(wall, cpu, queued)

@@ -21,6 +21,8 @@ def test_each_name_is_there_and_in_the_readme() -> None:
 def test_a_host_imports_none_of_the_callers_side() -> None:
     """The package's own `__init__` is the first that a host imports: it must stay small."""
     code = "import sys, rclpy_virtual_time; print(*sys.modules)"
-    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
     ours = re.findall(r"rclpy_virtual_time[\w.]*", loaded.stdout)
     assert ours == ["rclpy_virtual_time"]

@@ -54,6 +54,7 @@ def taking(
         (0.001, 0.0, 1, CheckFailed),  # waits in native code, always
         (0.001, 0.0, 5, CheckFailed),  # or often
         (0.001, 0.14, 1, Inconclusive),  # queues for a CPU
+        (np.nan, 0.15, 1, Inconclusive),  # in a page nobody counts either
         (0.001, 0.0, 20, Inconclusive),  # now and then, nobody knows why
         (0.15, 0.0, 10_000, None),
     ],
