@@ -49,6 +49,7 @@ class Program:
         self.executor: Any = None
         self.modules: dict[str, Any] = {}  # that it has imported from the students' files
         self.exits: list[functools.partial[object]] = []  # what it has registered with atexit
+        self.callbacks: list[Any] = []  # of its default context, for its shutdown
 
 
 class Programs:
@@ -61,6 +62,7 @@ class Programs:
         self._programs = [Program(kernel, start) for start in starts]
         self._run = run
         self._host = Program(kernel)
+        self._context: Any = Context()  # what each takes for its default one
         self._own = _modules_here()
 
     def supervise(self) -> None:
@@ -109,12 +111,14 @@ class Programs:
         if before is not None:
             before.argv, before.main = sys.argv, sys.modules["__main__"]
             before.executor = rclpy.__dict__[GLOBAL_EXECUTOR]
+            before.callbacks = self._context._callbacks
             there = {name: sys.modules.pop(name, None) for name in self._own}
             before.modules = {name: module for name, module in there.items() if module is not None}
         if after is not None:
             sys.modules.update(after.modules)
             sys.argv, sys.modules["__main__"] = after.argv, after.main
             rclpy.__dict__[GLOBAL_EXECUTOR] = after.executor
+            self._context._callbacks = after.callbacks
 
     def _start(self, program: Program) -> None:
         with self._kernel.acting_as(program):
@@ -154,7 +158,7 @@ class Programs:
             if not kernel.program.initialised:  # type: ignore[attr-defined]
                 raise RuntimeError("Context must be initialized before it can be shutdown")
             kernel.program.shut = True  # type: ignore[attr-defined]
-            utilities.g_default_context = self  # it is the other programs', too
+            self._call_on_shutdown_callbacks()
             kernel.epoch += 1
 
         def try_shutdown(self: Any) -> None:
@@ -162,6 +166,8 @@ class Programs:
                 shutdown(self)
 
         cls.init, cls.ok, cls.shutdown, cls.try_shutdown = init, ok, shutdown, try_shutdown
+        cls._remove_callback = lambda *_: None  # it may come while another's are in place
+        utilities.Context = lambda: self._context
         signals.install(lambda: kernel.program.signals)  # type: ignore[attr-defined]
         self._install_nodes()
         self._install_exits()

@@ -171,6 +171,12 @@ ENDS = {
     "returns": ("", "", "spare.py ended at 0.0 s: the program ran to its end;"),
     "raises": ("", "time.sleep(0.5)\n1 / 0", "spare.py ended at 0.5 s: ZeroDivisionError: div"),
     "cannot be read": ("def (:", "", "spare.py ended at 0.0 s: SyntaxError"),
+    "shuts down": (
+        "",
+        "rclpy.get_default_context().on_shutdown(lambda: print('hi'))\ntime.sleep(0.3)\n"
+        "rclpy.try_shutdown()\nprint('ok' if rclpy.get_default_context().ok() else 'bye')",
+        "spare.py ended at 0.3 s",
+    ),
     "leaves its threads": (
         "import atexit, concurrent.futures as futures",
         "atexit.register(print, 'bye')\n"
@@ -191,7 +197,10 @@ class Stays(Echo):
     def on_timer(self):
         self.pool.submit(print, self.get_node_names(), self.count_publishers('/cmd_vel')).result()
 rclpy.init()
-rclpy.spin(Stays())
+rclpy.get_default_context().on_shutdown(lambda: print('never'))
+node = Stays()
+while rclpy.ok():
+    rclpy.spin_once(node)
 """
 
 
@@ -206,11 +215,11 @@ def launched(folder: Path, **sources: str) -> Submission:
 
 @pytest.mark.parametrize("name", ENDS)
 def test_one_of_several_that_ends_leaves_the_others_alone(
-    name: str, forkserver: ForkServer, tmp_path: Path
+    name: str, runtime: ForkServer, tmp_path: Path
 ) -> None:
     what, how, said = ENDS[name]
     submission = launched(tmp_path, stays=STAYS, spare=SPARE.format(what=what, how=how))
-    recording = run_trial(submission, short(1.0), forkserver)
+    recording = run_trial(submission, short(1.0), runtime)
 
     assert recording.outcome.completed, recording.outcome
     (note,) = ended_of(recording)
