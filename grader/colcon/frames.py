@@ -37,8 +37,7 @@ class Launched(msgspec.Struct, array_like=True, frozen=True):
     arguments: Annotated[tuple[Text, ...], msgspec.Meta(max_length=200)]
     package: Name = ""
     needed: bool = False  # where it ends, all do
-    node: Name = ""  # its full name, if that is given ...
-    made: Made = {}  # ... and parameters for it
+    made: Made = {}  # parameter files
 
 
 class PackageRead(msgspec.Struct, frozen=True):

@@ -37,8 +37,7 @@ class Started:
     executable: str
     arguments: tuple[str, ...]
     needed: bool = False  # the others end with it
-    node: str = ""  # its full name, where the launch file gives it
-    made: dict[str, str] = field(default_factory=dict)  # parameter files, for that name
+    made: dict[str, str] = field(default_factory=dict)  # parameter files
 
 
 @dataclass
@@ -382,9 +381,7 @@ class Node(_Action):
             words += ["-r", f"{_text(source, context)}:={_text(target, context)}"]
         first = [_text(word, context) for word in self._arguments]
         ros = ["--ros-args", *words] if words else []
-        context.started.append(
-            Started(package, executable, (*first, *ros), self._needed, node, made)
-        )
+        context.started.append(Started(package, executable, (*first, *ros), self._needed, made))
 
 
 def _below(base: str, namespace: str) -> str:

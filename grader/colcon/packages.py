@@ -99,8 +99,7 @@ def read(launch: str, folders: Iterable[str] = ("",)) -> PackageRead:
         files=files,
         executables=tuple(executables),
         launched=tuple(
-            Launched(s.executable, s.arguments, s.package, s.needed, s.node, s.made)
-            for s in started
+            Launched(s.executable, s.arguments, s.package, s.needed, s.made) for s in started
         ),
         notes=tuple(map(sendable, notes)),
     )

@@ -37,8 +37,7 @@ class Program:
     entry: str = ""  # "module:function"; "": the file itself is run
     arguments: tuple[str, ...] = ()  # of its command line, as a launch file has them
     needed: bool = False  # the others end with it
-    node: str = ""  # the full name of its node, where a launch file gives it ...
-    made: tuple[tuple[str, str], ...] = ()  # ... and what it writes for it: name and YAML
+    made: tuple[tuple[str, str], ...] = ()  # files that a launch file writes: name and YAML
 
 
 @dataclass(frozen=True)

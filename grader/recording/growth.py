@@ -7,6 +7,7 @@ is right for minutes and too slow after an hour. Its answers don't show that; th
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -150,7 +151,25 @@ def noted_of(recording: Recording, *, models: bool = True) -> list[str]:
     `models`: also of callbacks that took long because the scenario's model did.
     """
     told = [note for note in recording.notes if models or not _asked_long(note, recording)]
-    return [said for note in told if (said := _said(note, recording))]
+    said = [said for note in told if (said := _said(note, recording))]
+    return [*said, *_not_arrived(recording)]
+
+
+def _not_arrived(recording: Recording) -> Iterator[str]:
+    """Say which parameters that were asked for no node declared, or got otherwise."""
+    found: dict[str, list[Note]] = {}  # by node; "": by none
+    for note in recording.notes:
+        if note.kind == "asked" and note.more and (note.line or recording.outcome.completed):
+            found.setdefault(note.line, []).append(note)
+    for node, notes in found.items():
+        names = ", ".join(f"{note.about} ({note.more})" for note in notes)
+        if node:
+            yield (
+                f"{node} did not get what was asked for: {names}; `rclpy.init(args=…)`, "
+                "`parameter_overrides` or `ignore_override` keeps it from the command line"
+            )
+        else:
+            yield f"no node declared what was asked for, so it has no effect: {names}"
 
 
 def growth_of(recording: Recording, *, models: bool = True) -> list[str]:

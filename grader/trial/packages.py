@@ -94,7 +94,6 @@ def _with_programs(
                 each.entry,
                 told.arguments,
                 told.needed or bool(package.main and each.file.endswith(f"/{package.main}")),
-                told.node,
                 tuple(told.made.items()),
             )
             for each, told in zip(chosen, answer.launched or [Launched("", ())], strict=True)

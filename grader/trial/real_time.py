@@ -167,6 +167,7 @@ class _LiveTrial:
             links = [program.link for program in hosts.programs]
             truncated = any(link.stdout.truncated or link.stderr.truncated for link in links)
             for program in hosts.programs:
+                self._recorder.note(program.pulse.notes)
                 if program.left is not None:
                     file, entry = Path(program.start.file).name, program.start.entry
                     said = _text_of_end(program)[: Note.MAX_NAME]

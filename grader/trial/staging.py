@@ -16,7 +16,10 @@ from sim.messages import LATCHED
 from sim.scenario import ProgramSpec, Scenario
 from sim.sensors import OFFERED, SENSOR_TOPICS
 
-FIRST = "course_"  # before the name of a launch file's parameters: what goes before them
+# rcl reads sections in the order in which their names are first mentioned, and in one of them a
+# value of another type may win. This one is for every node, and nobody else has it: it comes last.
+LAST = "/**/**/**"
+LAST_FILE = ".course_params_{}.yaml"  # hidden files of a submission never come along
 # programs of ours that run beside students'
 SUPPLIED = Path(__file__).parents[1] / "hosted" / "supplied"
 
@@ -39,7 +42,7 @@ def stage(
 ) -> Iterator[Stage]:
     """Lay out a submission for a scenario, in a fresh folder that goes when the block ends."""
     made = dict(each for program in _read_out(submission) for each in program.made)
-    ours = _ours(scenario, {**made, **{FIRST + name: "" for name in made}, **(files or {})})
+    ours = _ours(scenario, {*made, *(files or {})})
     with submission.folder(without=ours) as folder:
         write_models(scenario.node.models, folder)
         for name, text in made.items():
@@ -80,47 +83,47 @@ def _programs(
 ) -> tuple[ProgramStart, ...]:
     """Return the programs to run: the submission's own file, or the scenario's."""
     own = parameter_arguments(scenario.node.parameters)
-    given = (*arguments, *own)
     for spec in scenario.program:
         if spec.supplied:
             shutil.copyfile(SUPPLIED / spec.file, folder / spec.file)
-    return tuple(
-        ProgramStart(
-            file=str(folder / program.file),
-            entry=program.entry,
-            arguments=(
-                *program.arguments,
-                *_first(own if spec.supplied else given, program, folder),
-                *spec.arguments,
-            ),
-            start=round(spec.start * 1e9),
-            stop=None if spec.stop is None else round(spec.stop * 1e9),
-            hides=scenario.node.hides,
-            spared=len(group) > 1 and not program.needed,
-        )
-        for spec in scenario.program or (ProgramSpec(),)
-        for group in [[Program(spec.file)] if spec.supplied else submission.started(spec.file)]
-        for program in group
-    )
+    programs: list[ProgramStart] = []
+    for spec in scenario.program or (ProgramSpec(),):
+        group = [Program(spec.file)] if spec.supplied else submission.started(spec.file)
+        asked = (*own, *spec.arguments, *(() if spec.supplied else arguments))
+        programs += [
+            ProgramStart(
+                file=str(folder / program.file),
+                entry=program.entry,
+                arguments=(*program.arguments, *asked, *_last(program, asked, folder, number)),
+                start=round(spec.start * 1e9),
+                stop=None if spec.stop is None else round(spec.stop * 1e9),
+                hides=scenario.node.hides,
+                spared=len(group) > 1 and not program.needed,
+                asked={} if spec.supplied else _parameters(asked),
+            )
+            for number, program in enumerate(group, len(programs))
+        ]
+    return tuple(programs)
 
 
 def _read_out(submission: Submission) -> tuple[Program, ...]:
     return submission.package.programs if submission.package else ()
 
 
-def _first(words: Sequence[str], program: Program, folder: Path) -> tuple[str, ...]:
-    """Return words with parameters so that they go before those of the program's launch file.
+def _parameters(words: Sequence[str]) -> dict[str, str]:
+    given = (word.partition(":=") for flag, word in pairwise(words) if flag == "-p")
+    return {name: value for name, _, value in given}
 
-    What that says of a node by its full name goes before any `-p NAME:=VALUE`.
-    """
-    given = [word.split(":=", 1) for flag, word in pairwise(words) if flag == "-p"]
-    if not program.made or not given:
-        return tuple(words)
-    file = FIRST + program.made[0][0]
-    lines = [f"    {name}: {value}" for name, value in given]
-    text = "\n".join([f"{program.node}:", "  ros__parameters:", *lines, ""])
-    (folder / file).write_text(text, "utf-8")
-    return (*words, "--params-file", file)
+
+def _last(program: Program, asked: Sequence[str], folder: Path, number: int) -> tuple[str, ...]:
+    """Return words that let the parameters in `asked` win over all that goes before them."""
+    given = _parameters(asked)
+    if not given or not (program.arguments or "--params-file" in asked):
+        return ()
+    lines = [f"    {name}:\n      {value}" for name, value in given.items()]
+    file = folder / LAST_FILE.format(number)
+    file.write_text("\n".join([f"{LAST}:", "  ros__parameters:", *lines, ""]), "utf-8")
+    return ("--ros-args", "--params-file", str(file))
 
 
 def _ours(scenario: Scenario, files: Collection[str]) -> set[str]:

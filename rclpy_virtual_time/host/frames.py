@@ -68,6 +68,7 @@ class ProgramStart(msgspec.Struct, frozen=True):
     hides: tuple[Name, ...] = ()  # libraries that seem not installed to it
     entry: str = ""  # "module:function" of a package, which `ros2 run` calls; "": the file is run
     spared: bool = False  # one of several of a launch file: where it ends, the others go on
+    asked: dict[str, str] = {}  # parameters that are to reach it: name and value
 
 
 class Start(msgspec.Struct, frozen=True, tag="start"):
@@ -158,7 +159,7 @@ class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
 
 NOTED = (
     "lost", "lifecycle", "lasts", "awaits", "stuck", "waits", "threads", "sim_time", "params",
-    "imports", "ended",
+    "imports", "ended", "asked",
 )  # fmt: skip
 
 
@@ -240,6 +241,7 @@ class Pulse(msgspec.Struct, frozen=True, tag="pulse"):
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=MAX_ENDPOINTS)]  # new ones
     # "kind topic": how many ends of others it has found
     connected: Annotated[dict[Name, int], msgspec.Meta(max_length=MAX_CONNECTED)]
+    notes: Notes = []
 
     @property
     def spinning(self) -> bool:

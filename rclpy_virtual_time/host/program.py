@@ -28,11 +28,14 @@ MAX_ACCOUNT, MAX_TRACE = 4_000, 12_000  # [characters]
 
 def run(session: Session, start: Start) -> None:
     """Run the programs to their end and report it; a node that spins for ever never returns."""
-    from .virtual.programs import Programs  # noqa: PLC0415  (needs rclpy)
+    from . import asked  # noqa: PLC0415  (needs rclpy)
+    from .virtual.programs import Programs  # noqa: PLC0415
 
     randomness.seed(start.seed)
     enter_folders(start.programs)
     advice.given.begin()
+    running = lambda: getattr(session.kernel.program, "start", start.programs[0])  # noqa: E731
+    asked.watch(start.programs, running, session.note)
     if len(start.programs) == 1 and start.programs[0].start == 0:
         kill = signals.install_alone(session.kernel, session.bridge.contexts)
         session.interrupt = lambda: kill(os.getpid(), signal.SIGINT)

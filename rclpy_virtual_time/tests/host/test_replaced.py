@@ -9,7 +9,7 @@ DOCUMENT = Path(__file__).parents[2] / "docs" / "virtual-time.md"
 NAME = re.compile(r"`(rclpy(?:\.\w+)+)`")
 LISTING = """
 import sys, types
-from rclpy_virtual_time.host import forkserver, frames
+from rclpy_virtual_time.host import asked, forkserver, frames
 from rclpy_virtual_time.host.virtual import kernel as kernels, threads
 kernel = kernels.Kernel(kernels.World())
 if {virtual}:
@@ -38,6 +38,7 @@ else:
     live.EndpointWatch(vitals.on_endpoint).install()
     live._mend_executors(); live._watch_executors(vitals)
 forkserver._steer_init()
+asked.watch((), print, print)
 after = names()
 for name in after:
     if before.get(name) is not after[name]:
