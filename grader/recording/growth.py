@@ -22,6 +22,11 @@ TIMES, RISE = 2.0, 0.001  # [s] so much more in the last part is no noise of the
 STEADY = -0.1, 0.6  # of the rise, at least and at most, from each part to the next
 ENDS = 10  # of one kind on one topic; more than anybody needs
 MANAGED = {"unconfigured": "configure", "inactive": "activate"}  # states: the way out
+UNDECLARED = "no node declared what was asked for, so it has no effect: {names}"
+OTHERWISE = (
+    "{node} did not get what was asked for: {names}; `rclpy.init(args=…)`, `parameter_overrides` "
+    "or `ignore_override` keeps it from the command line"
+)
 FLOOD = 50.0  # lines of log a second: a robot's disk is full some day
 
 
@@ -163,13 +168,7 @@ def _not_arrived(recording: Recording) -> Iterator[str]:
             found.setdefault(note.line, []).append(note)
     for node, notes in found.items():
         names = ", ".join(f"{note.about} ({note.more})" for note in notes)
-        if node:
-            yield (
-                f"{node} did not get what was asked for: {names}; `rclpy.init(args=…)`, "
-                "`parameter_overrides` or `ignore_override` keeps it from the command line"
-            )
-        else:
-            yield f"no node declared what was asked for, so it has no effect: {names}"
+        yield (OTHERWISE if node else UNDECLARED).format(names=names, node=node)
 
 
 def growth_of(recording: Recording, *, models: bool = True) -> list[str]:

@@ -9,20 +9,17 @@ from typing import Any
 import yaml
 from rclpy.node import Node
 
-from .frames import MAX_NAME, Note, ProgramStart
+from .frames import Note, ProgramStart
 from .robot_ends import ROBOT_NODE
 from .wire import sendable
 
 
 def watch(
     programs: Iterable[ProgramStart],
-    current: Callable[[], ProgramStart],
+    running: Callable[[], ProgramStart],
     note: Callable[[Note], None],
 ) -> None:
-    """Note each parameter that is asked for, until a node has declared it, and what it got.
-
-    `current` is the program that runs.
-    """
+    """Note each parameter that is asked for, until a node declares it, and if it gets another."""
     for name, value in {name: value for p in programs for name, value in p.asked.items()}.items():
         note(_note(name, more=value))
     cls: Any = Node
@@ -31,19 +28,18 @@ def watch(
     @functools.wraps(declare)
     def declare_and_look(node: Any, *args: Any, **kwargs: Any) -> Any:
         declared = declare(node, *args, **kwargs)
-        asked = {} if node.get_name() == ROBOT_NODE else current().asked
+        asked = {} if node.get_name() == ROBOT_NODE else running().asked
         for name, value in [(each.name, each.value) for each in declared if each.name in asked]:
             note(_note(name))
-            if not _is(value, asked[name]):
-                got = f"{value!r}, not {asked[name]}"
-                note(_note(name, node.get_fully_qualified_name(), got))
+            more = "" if _is(value, asked[name]) else f"{value!r}, not {asked[name]}"
+            note(_note(name, node.get_fully_qualified_name(), more))
         return declared
 
     cls.declare_parameters = declare_and_look
 
 
 def _note(name: str, node: str = "", more: str = "") -> Note:
-    about, more = (sendable(text)[:MAX_NAME] for text in (name, more))
+    about, more = (sendable(text)[: Note.MAX_NAME] for text in (name, more))
     return Note("asked", about, node, count=0, more=more)
 
 

@@ -18,16 +18,7 @@ from rclpy.task import Task
 from .. import asked, program, randomness
 from ..desk import desk
 from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
-from ..frames import (
-    MAX_CONNECTED,
-    MAX_ENDPOINTS,
-    MAX_NOTES,
-    EndpointReport,
-    Note,
-    Pulse,
-    Start,
-    TuneIn,
-)
+from ..frames import MAX_CONNECTED, MAX_ENDPOINTS, EndpointReport, Note, Pulse, Start, TuneIn
 from ..wire import Wire, ended
 from .questions import Desk
 from .robot import Radio
@@ -54,7 +45,7 @@ class Vitals:
 
     def __init__(self) -> None:
         self._new: list[EndpointReport] = []
-        self._notes: dict[tuple[str, str], Note] = {}
+        self.notes: list[Note] = []  # of several alike the last counts
         self._ends: list[tuple[str, Any]] = []  # "kind topic", endpoint
         self._waiting = 0  # executors that wait for work now
         self._last_wait = 0.0
@@ -75,11 +66,6 @@ class Vitals:
         new = report(kind, node, endpoint)
         with self._lock:
             self._new.append(new)
-
-    def note(self, note: Note) -> None:
-        """Note something for a person; of several alike the last."""
-        with self._lock:
-            self._notes[note.about, note.line] = note
 
     def waits_unseen(self) -> None:
         """An executor looks for work or does it: which of the two, it doesn't tell."""
@@ -103,10 +89,9 @@ class Vitals:
         spun = self._spun  # before the rest: who spins has told of all that its constructor made
         with self._lock:
             new, self._new = self._new[:MAX_ENDPOINTS], self._new[MAX_ENDPOINTS:]
-            notes = list(self._notes.values())[:MAX_NOTES]
         idle = self._waiting > 0 or not spun
         busy = 0.0 if idle else time.monotonic() - self._last_wait
-        return Pulse(spun, busy, new, self._connected(), notes)
+        return Pulse(spun, busy, new, self._connected(), self.notes[-Note.MOST :])
 
     def _connected(self) -> dict[str, int]:
         found: dict[str, int] = {}
@@ -134,7 +119,7 @@ def _run_program(wire: Wire, start: Start) -> None:
     threading.Thread(target=_beat, args=(wire, vitals, lock), daemon=True).start()
     randomness.seed(start.seed)
     program.enter_folders(start.programs)
-    asked.watch(start.programs, lambda: start.programs[0], vitals.note)
+    asked.watch(start.programs, lambda: start.programs[0], vitals.notes.append)
     end = program.run_file(start.programs[0])
     with lock:
         wire.send(vitals.pulse())
