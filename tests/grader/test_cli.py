@@ -95,8 +95,10 @@ def test_a_name_that_is_not_utf8(tmp_path: Path) -> None:
 def test_without_ros_it_says_how_to_get_it(tmp_path: Path) -> None:
     source = (
         "import sys, grader.cli\n"
-        "from rclpy_virtual_time import RosEnvironment\n"
-        "find = RosEnvironment.find; RosEnvironment.find = lambda: find({}, [])\n"
+        "from rclpy_virtual_time.link import hosts\n"
+        "class NoRos(hosts.RosEnvironment):\n"
+        "    find = staticmethod(lambda find=hosts.RosEnvironment.find: find({}, []))\n"
+        "hosts.RosEnvironment = NoRos\n"
         f"sys.argv = ['course', 'drive', {str(REFERENCE)!r}, '--scenario', 'demo_wall']\n"
         "grader.cli.main()\n"
     )

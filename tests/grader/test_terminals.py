@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from command_line import ROOT, SHORT
 
-from rclpy_virtual_time.link.foreign import readable
+from rclpy_virtual_time import readable
 
 EVIL = "\x1b]0;OWNED\x07\x1b[2J\x1b[31m[bold]hi[/nope] \x9b31m \u202eevil\x1bP+q\x1b\\\x08\x0e\x85"
 NAME = "a\x1b[2J\x1b]0;OWNED\x07[bold]\u202e\x9b31mb"
@@ -151,7 +151,7 @@ def test_pytest_with_the_fixture_lets_nothing_but_text_through(work: Path) -> No
 
 
 def test_a_terminal_in_ascii_gets_ascii() -> None:
-    script = f"from rclpy_virtual_time.link.foreign import echo; echo({NAME + chr(0xDC80) + 'é'!r})"
+    script = f"from grader.report.echo import echo; echo({NAME + chr(0xDC80) + 'é'!r})"
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, check=True, cwd=ROOT,
         env={**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"},
@@ -161,10 +161,11 @@ def test_a_terminal_in_ascii_gets_ascii() -> None:
 
 # what may write by itself, and why nothing foreign passes
 WRITERS = {
-    "rclpy_virtual_time/link/foreign.py": "the one way",
+    "grader/report/echo.py": "the one way",
     "grader/report/terminal.py": "the one console",
     "grader/drive/summary.py": "each line is made printable",
     "grader/notebook/": "into notebooks, through `plain`",
+    "rclpy_virtual_time/testing/virtual_time.py": "its output is made readable",
     "rclpy_virtual_time/conform/": "contributors' own files",
     "grader/authoring/": "contributors' own files",
     "grader/course/generated.py": "the project's own files",

@@ -65,7 +65,13 @@ def test_wrong_nodes_fail_the_test_that_the_page_names(tmp_path: Path) -> None:
     assert quoted[0] in session.output
 
 
-@pytest.mark.parametrize("name", ["drive", pytest.param("virtual_time", marks=pytest.mark.long)])
-def test_pytest_lists_the_fixtures(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "house"),
+    [
+        ("drive", "grader"),
+        pytest.param("virtual_time", "rclpy_virtual_time", marks=pytest.mark.long),
+    ],
+)
+def test_pytest_lists_the_fixtures(tmp_path: Path, name: str, house: str) -> None:
     session = pytest_in(tmp_path, "--fixtures")
-    assert re.search(rf"(?m)^{name}\b.*grader/testing/plugin\.py", session.output), session.output
+    assert re.search(rf"(?m)^{name}\b.*{house}/testing/plugin\.py", session.output), session.output

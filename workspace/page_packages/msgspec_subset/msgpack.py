@@ -9,6 +9,9 @@ class Encoder:
 
     encode = staticmethod(pickle.dumps)
 
+    def __init__(self, enc_hook: Any = None) -> None:
+        pass
+
 
 class Decoder:
     """Decodes what was encoded here, whatever its type is."""
