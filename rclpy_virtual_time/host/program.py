@@ -23,6 +23,7 @@ from .virtual.session import Session
 from .wire import steady
 
 OURS = Path(__file__).parent
+GONE = "its process ended by itself (exit code {})"
 MAX_ACCOUNT, MAX_TRACE = 4_000, 12_000  # [characters]
 
 
@@ -46,7 +47,10 @@ def run(session: Session, start: Start) -> None:
         session.end(kind, text, detail)
         return
     session.programs = Programs(
-        session.kernel, start.programs, lambda program: _run_one_of_many(session, program)
+        session.kernel,
+        start.programs,
+        lambda program: _run_one_of_many(session, program),
+        lambda program, status: _leave(session, program, GONE.format(status)),
     )
     session.interrupt = session.programs.interrupt
     session.programs.supervise()
@@ -78,15 +82,22 @@ def _run_one_of_many(session: Session, program: ProgramStart) -> None:
     name = Path(program.file).name
     if session.ending and as_asked and session.programs.others():
         return
-    if not session.ending and program.spared and session.programs.go_on():
-        now = max(0, session.kernel.now)
-        session.note(Note("ended", name, program.entry, time=now, more=text))
-        print(detail.partition("\n\n")[2], end="", file=sys.stderr)
-        session.programs.leave()
+    if _leave(session, program, text, detail):
         return
     said = text if session.ending and as_asked else f"{name}: {text}"
     session.end(kind, said, detail)
     os._exit(0)
+
+
+def _leave(session: Session, program: ProgramStart, text: str, detail: str = "") -> bool:
+    """Leave the others of several programs alone, if they go on; return whether they do."""
+    if session.ending or not program.spared or not session.programs.go_on():
+        return False
+    name, now = Path(program.file).name, max(0, session.kernel.now)
+    session.note(Note("ended", name, program.entry, time=now, more=text))
+    print(detail.partition("\n\n")[2], end="", file=sys.stderr)
+    session.programs.leave()
+    return True
 
 
 def run_file(

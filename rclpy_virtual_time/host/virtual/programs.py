@@ -12,6 +12,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import functools
+import os
 import signal
 import sys
 import threading
@@ -56,11 +57,16 @@ class Programs:
     """Starts and kills the programs of a trial on time."""
 
     def __init__(
-        self, kernel: Kernel, starts: tuple[ProgramStart, ...], run: Callable[[ProgramStart], None]
+        self,
+        kernel: Kernel,
+        starts: tuple[ProgramStart, ...],
+        run: Callable[[ProgramStart], None],
+        leaves: Callable[[ProgramStart, int], bool] = lambda *_: False,
     ) -> None:
         self._kernel = kernel
         self._programs = [Program(kernel, start) for start in starts]
         self._run = run
+        self._leaves = leaves  # with `os._exit`, and the others go on
         self._host = Program(kernel)
         self._context: Any = Context()  # what each takes for its default one
         self._own = _modules_here()
@@ -166,7 +172,7 @@ class Programs:
                 shutdown(self)
 
         cls.init, cls.ok, cls.shutdown, cls.try_shutdown = init, ok, shutdown, try_shutdown
-        cls._remove_callback = lambda *_: None  # it may come while another's are in place
+        cls.destroy = cls._remove_callback = lambda *_: None  # they would be the others', too
         utilities.Context = lambda: self._context
         signals.install(lambda: kernel.program.signals)  # type: ignore[attr-defined]
         self._install_nodes()
@@ -189,7 +195,7 @@ class Programs:
         cls.__init__ = created
 
     def _install_exits(self) -> None:
-        """Let each program have exit handlers of its own."""
+        """Let each program have exit handlers, and an end, of its own."""
         kernel, module = self._kernel, cast("Any", atexit)
 
         def exits() -> list[functools.partial[object]]:
@@ -209,6 +215,13 @@ class Programs:
                 except Exception:  # Python says so, too, and goes on
                     traceback.print_exc()
 
+        def leave(status: int) -> None:
+            program: Any = kernel.program
+            if program is not self._host and self._leaves(program.start, status):
+                kernel.park()
+            end(status)
+
+        end, cast("Any", os)._exit = os._exit, leave
         module.register, module.unregister, module._run_exitfuncs = register, unregister, run
 
 

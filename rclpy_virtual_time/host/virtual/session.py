@@ -200,6 +200,7 @@ class Session(kernel_module.World):
                 notes=self._take_notes(),
             )
         self._wire.send(frame)
+        self.ending = True  # of all
 
     def leave_for_real_time(self, reason: str) -> None:
         """Say that this program can't run in virtual time; never returns."""
