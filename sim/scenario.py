@@ -219,6 +219,8 @@ class NodeSpec(_Table, frozen=True):
     parameters: dict[str, str | bool | int | float] = {}  # ROS parameters
     models: dict[str, Model] = {}  # file name: the model in it
     hides: tuple[Annotated[str, Meta(pattern=r"^\w+$")], ...] = ()  # modules, as if not installed
+    # the grader's own, in the place of each program that the launch file starts
+    stand_in: Annotated[str, Meta(pattern=r"^(\w+\.py)?$")] = ""
 
 
 class ProgramSpec(_Table, frozen=True):

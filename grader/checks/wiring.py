@@ -7,9 +7,10 @@ fifteen failures without a cause.
 from __future__ import annotations
 
 import difflib
+import re
 from typing import NoReturn
 
-from grader.checks.verdict import fail
+from grader.checks.verdict import fail, inconclusive
 from grader.course.exercises import Service, Topic, find_exercise
 from grader.recording import Death, Endpoint, Recording, death_of
 
@@ -30,7 +31,10 @@ NO_NODE = (
     "main() make the node and spin it?"
 )
 SURVIVES = "The node survives every message that it gets."
-OURS = "/course_"  # prefix of the nodes that the grader runs beside the student's
+REMAPPED = (
+    "In each pair of remappings the program's own name stands first, as it stands there, without a "
+    "slash; then the name to reach. What a pair names otherwise, it passes over in silence."
+)
 KINDS = {
     "publish": "publisher",
     "subscribe": "subscription",
@@ -70,6 +74,8 @@ def require_alive(recording: Recording) -> None:
     outcome = recording.outcome
     if outcome.completed:
         return
+    if outcome.kind == "held":
+        inconclusive(outcome.text)
     death = death_of(outcome.detail)
     text = outcome.text or f"the node's program ended ({outcome.kind})"
     if outcome.kind == "exception":
@@ -90,8 +96,14 @@ def require_alive(recording: Recording) -> None:
         at=_time_of_end(recording),
         recording=recording,
         help=advice,
-        where=lines_of(death),
+        where=lines_of(death) or _place_in(text),
     )
+
+
+def _place_in(text: str) -> str:
+    """Return the line that a text begins with, as a frame has it; "" if none."""
+    place = re.match(r"(?P<file>[^\s,]{1,100}), line (?P<line>\d{1,6}): ", text)
+    return f"line {place['line']} of {place['file']}" if place else ""
 
 
 def lines_of(death: Death | None) -> str:
@@ -153,8 +165,7 @@ def _last_delivery(recording: Recording, topic: str) -> str:
 def _require_end(recording: Recording, wanted: Wanted) -> None:
     """Fail unless the node has this end, with the right type and a QoS that matches."""
     kind = KINDS[wanted.direction]
-    theirs = [end for end in recording.endpoints if not end.node.startswith(OURS)]
-    every = [end for end in theirs if end.node == f"/{wanted.node}"] or theirs
+    every = [end for end in recording.ends if end.node == f"/{wanted.node}"] or [*recording.ends]
     here = [end for end in every if (end.kind, end.topic) == (kind, wanted.name)]
     typed = [end for end in here if end.type == wanted.type]
     if not here:
@@ -193,6 +204,8 @@ def _fail_missing(recording: Recording, wanted: Wanted, every: list[Endpoint]) -
     if near:
         problem += f", but one on {near[0]}"
         advice = f"Is {near[0]} misspelt? It is {name}."
+        if recording.scenario.node.stand_in:  # the programs are ours
+            advice = REMAPPED
     elif others:
         problem, advice = f"there is a {others[0]} on {name} where a {kind} is needed", WHO
     fail(

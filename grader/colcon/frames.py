@@ -43,8 +43,10 @@ class Launched(msgspec.Struct, array_like=True, frozen=True):
 class PackageRead(msgspec.Struct, frozen=True):
     """What a package installs and can start."""
 
-    problem: Text = ""  # why it can't be built or launched
+    problem: Text = ""  # why it can't be built
     files: Annotated[dict[Name, Name], msgspec.Meta(max_length=2_000)] = {}  # place: source
     executables: Annotated[tuple[Executable, ...], msgspec.Meta(max_length=100)] = ()
     launched: Annotated[tuple[Launched, ...], msgspec.Meta(max_length=8)] = ()
+    unstarted: Text = ""  # why its launch file can't be launched ...
+    held: bool = False  # ... here: a person has to look
     notes: Annotated[tuple[Text, ...], msgspec.Meta(max_length=20)] = ()  # what is not started

@@ -16,9 +16,9 @@ from types import ModuleType
 from typing import Any
 
 from grader.colcon import launch_stand_in
-from grader.colcon.launch_stand_in import KNOWN, Context, Started, Unknown
+from grader.colcon.launch_stand_in import KNOWN, Context, Mistaken, Started, Unknown
 
-__all__ = ["Started", "Unknown", "read", "standing_in"]
+__all__ = ["Mistaken", "Started", "Unknown", "read", "standing_in"]
 
 
 def read(
@@ -30,6 +30,8 @@ def read(
     ------
     Unknown
         It has something that is not known here.
+    Mistaken
+        It is wrong.
     """
     here = Path.cwd()
     paths = (str(here), os.environ.get("AMENT_PREFIX_PATH", ""))
@@ -38,7 +40,8 @@ def read(
     with standing_in(_modules()):
         launch_stand_in.include(file, context)
     if not context.started:
-        raise Unknown(f"{file} starts no node of the package {package or ', '.join(packages)}")
+        own = package or ", ".join(packages)
+        raise Mistaken("; ".join([f"{file} starts no node of the package {own}", *context.notes]))
     for each in context.started:  # the package lies elsewhere when the nodes run
         each.arguments = tuple(word.replace(f"{here}/", "") for word in each.arguments)
         each.made = {name: text.replace(f"{here}/", "") for name, text in each.made.items()}
@@ -64,16 +67,17 @@ def _modules() -> dict[str, ModuleType]:
     has = {
         "launch": "LaunchDescription Substitution",
         "launch.actions":
-            "DeclareLaunchArgument GroupAction IncludeLaunchDescription LogInfo Shutdown",
+            "DeclareLaunchArgument GroupAction IncludeLaunchDescription LogInfo OpaqueFunction "
+            "Shutdown TimerAction",
         "launch.conditions": "IfCondition UnlessCondition",
         "launch.event_handlers": "",
         "launch.launch_description_sources": "PythonLaunchDescriptionSource",
         "launch.substitutions":
             "LaunchConfiguration PathJoinSubstitution TextSubstitution ThisLaunchFileDir",
         "launch_ros": "",
-        "launch_ros.actions": "Node PushROSNamespace SetParameter",
-        "launch_ros.descriptions": "ParameterValue",
-        "launch_ros.parameter_descriptions": "ParameterValue",
+        "launch_ros.actions": "Node PushROSNamespace SetParameter SetRemap",
+        "launch_ros.descriptions": "ParameterFile ParameterValue",
+        "launch_ros.parameter_descriptions": "ParameterFile ParameterValue",
         "launch_ros.substitutions": "FindPackageShare",
     }  # fmt: skip
     made = {
@@ -99,7 +103,7 @@ def _module(name: str, has: Mapping[str, Any]) -> ModuleType:
             raise AttributeError(wanted)
 
         def refuse(*_: object, **__: object) -> None:  # what is imported only, does no harm
-            raise Unknown(f"{name}.{wanted} is not known here; a launch file may have {KNOWN}")
+            raise Unknown(f"{name}.{wanted} is not read here; a launch file may have {KNOWN}")
 
         return type(wanted, (), {"__new__": refuse})
 

@@ -7,26 +7,45 @@ Source: ros2/launch and ros2/launch_ros, branch jazzy.
 
 from __future__ import annotations
 
+import difflib
+import functools
 import json
 import os
 import runpy
+import sys
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 KNOWN = (
-    "Node, ParameterValue, DeclareLaunchArgument, LaunchConfiguration, IncludeLaunchDescription, "
-    "PythonLaunchDescriptionSource, PathJoinSubstitution, FindPackageShare, ThisLaunchFileDir, "
-    "GroupAction, PushRosNamespace, SetParameter, IfCondition, UnlessCondition, LogInfo"
+    "Node, ParameterValue, ParameterFile, DeclareLaunchArgument, LaunchConfiguration, "
+    "IncludeLaunchDescription, PythonLaunchDescriptionSource, PathJoinSubstitution, "
+    "FindPackageShare, ThisLaunchFileDir, GroupAction, OpaqueFunction, TimerAction, "
+    "PushRosNamespace, SetRemap, SetParameter, IfCondition, UnlessCondition, LogInfo"
 )
 YES, NO = ("true", "1"), ("false", "0")  # what a condition may say
-WITHOUT_EFFECT = {"output", "emulate_tty", "exec_name", "sigterm_timeout", "sigkill_timeout"}
+# of Node: `respawn` of a node that doesn't die; what is none of these two is misspelt
+WITHOUT_EFFECT = {
+    "output", "output_format", "log_cmd", "cached_output", "emulate_tty", "exec_name",
+    "sigterm_timeout", "sigkill_timeout", "respawn", "respawn_delay", "respawn_max_retries",
+}  # fmt: skip
+NODES_OWN = (
+    "package", "executable", "name", "namespace", "parameters", "remappings", "arguments",
+    "ros_arguments", "output", "respawn", "condition",
+)  # fmt: skip
+LEFT = {"shell", "prefix", "cwd", "env", "additional_env", "on_exit", "process_description"}
+RCLPYS = "this Node is rclpy's; write `from launch_ros.actions import Node`"
+RETURNS = "its last line has to be `return LaunchDescription([…])`"
 MAX_DEPTH = 8  # of launch files that include one another
 
 
 class Unknown(Exception):
-    """A launch file has something that this stand-in does not know, or is wrong."""
+    """A launch file has something that this stand-in does not know: a person has to look."""
+
+
+class Mistaken(Exception):
+    """A launch file has something that `ros2 launch` does not take either."""
 
 
 @dataclass
@@ -49,11 +68,21 @@ class Context:
     values: dict[str, str] = field(default_factory=dict)  # of its arguments
     namespace: str = ""
     parameters: tuple[tuple[str, str], ...] = ()  # of all nodes to come
+    remappings: tuple[tuple[str, str], ...] = ()  # of these, too
     file: str = ""  # that is being read
     started: list[Started] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     made: int = 0  # parameter files
     depth: int = 0
+
+    @property
+    def launch_configurations(self) -> dict[str, str]:
+        """The arguments' values, for functions of the launch file."""
+        return self.values
+
+    def perform_substitution(self, given: Any) -> str:
+        """Return a text, for functions of the launch file."""
+        return _text(given, self)
 
 
 def include(file: str, context: Context) -> None:
@@ -63,17 +92,23 @@ def include(file: str, context: Context) -> None:
     ------
     Unknown
         It has something that is not known here.
+    Mistaken
+        It has something that is wrong.
     """
     if context.depth == MAX_DEPTH:
-        raise Unknown(f"{file}: launch files that include one another without end")
+        raise Mistaken(f"{file}: launch files that include one another without end")
     context.depth += 1
     before, context.file = context.file, file
     if not file.endswith(".py"):
         raise Unknown(f"{file}: only launch files in Python are read here, not XML or YAML")
     made = runpy.run_path(file).get("generate_launch_description")
     if made is None:
-        raise Unknown(f"{file}: expected a function generate_launch_description")
-    visit(made(), context)
+        raise Mistaken(f"{file}: expected a function generate_launch_description")
+    described = made()
+    if not isinstance(described, LaunchDescription):
+        what = "nothing" if described is None else f"a {type(described).__name__}"
+        raise Mistaken(f"{file}: generate_launch_description returns {what}; {RETURNS}")
+    visit(described, context)
     context.file = before
     context.depth -= 1
 
@@ -84,10 +119,17 @@ def visit(entity: Any, context: Context) -> None:
         for each in entity.entities:
             visit(each, context)
     elif isinstance(entity, _Action):
-        if entity.condition is None or entity.condition.holds(context):
-            entity.act(context)
+        try:
+            if entity.condition is None or entity.condition.holds(context):
+                entity.act(context)
+        except (Unknown, Mistaken) as error:
+            if not hasattr(error, "where"):  # the innermost action is meant
+                error.where = entity.where  # type: ignore[union-attr]
+            raise
     else:
-        raise Unknown(f"a launch file has a {type(entity).__name__}; known here are {KNOWN}")
+        has = f"a launch file has a {type(entity).__name__} where an action belongs"
+        mine = RCLPYS if type(entity).__module__.startswith("rclpy") else "such as Node(…)"
+        raise Mistaken(f"{has}: {mine}")
 
 
 class Substitution:
@@ -110,7 +152,7 @@ class LaunchConfiguration(Substitution):
         if name in context.values:
             return context.values[name]
         if self._default is None:
-            raise Unknown(f"launch configuration '{name}' does not exist: declare the argument")
+            raise Mistaken(f"launch configuration '{name}' does not exist: declare the argument")
         return _text(self._default, context)
 
 
@@ -169,7 +211,7 @@ class IfCondition:
         """Return whether it does."""
         said = _text(self._expression, context).strip().lower()
         if said not in (*YES, *NO):
-            raise Unknown(f"a condition of the launch file says {said!r}; expected true or false")
+            raise Mistaken(f"a condition of the launch file says {said!r}; expected true or false")
         return (said in YES) == self.wanted
 
 
@@ -194,8 +236,13 @@ class LaunchDescription:
 
 class _Action:
     def __init__(self, *, condition: Any = None, **more: Any) -> None:
+        self.where = _place()
         if odd := [key for key, value in more.items() if value and key not in WITHOUT_EFFECT]:
-            raise Unknown(f"{type(self).__name__}({odd[0]}=…) is not known here; leave it out")
+            near = difflib.get_close_matches(odd[0], NODES_OWN, 1)
+            if isinstance(self, Node) and odd[0] not in LEFT:
+                meant = f": is {near[0]} meant?" if near else ""
+                raise Mistaken(f"Node has no argument {odd[0]}{meant}")
+            raise Unknown(f"{type(self).__name__}({odd[0]}=…) is not read here")
         if condition is not None and not isinstance(condition, IfCondition):
             raise Unknown("condition=… takes IfCondition(…) or UnlessCondition(…) here")
         self.condition = condition
@@ -223,11 +270,11 @@ class DeclareLaunchArgument(_Action):
         """Let it have its default, unless who includes the file gives a value."""
         if self._name not in context.values:
             if self._default is None:
-                raise Unknown(f"the launch argument {self._name!r} needs a default here")
+                raise Mistaken(f"the launch argument {self._name!r} needs a default here")
             context.values[self._name] = _text(self._default, context)
         value = context.values[self._name]
         if self._choices is not None and value not in self._choices:
-            raise Unknown(f"{self._name}:={value}: expected one of {', '.join(self._choices)}")
+            raise Mistaken(f"{self._name}:={value}: expected one of {', '.join(self._choices)}")
 
 
 class PythonLaunchDescriptionSource:
@@ -263,11 +310,43 @@ class GroupAction(_Action):
 
     def act(self, context: Context) -> None:
         """Do them all."""
-        before = dict(context.values), context.namespace, context.parameters
+        before = replace(context, values=dict(context.values))
         for each in self._actions:
             visit(each, context)
         if self._scoped:
-            context.values, context.namespace, context.parameters = before
+            context.values, context.namespace = before.values, before.namespace
+            context.parameters, context.remappings = before.parameters, before.remappings
+
+
+class OpaqueFunction(_Action):
+    """A function of the launch file, which returns more of it."""
+
+    def __init__(
+        self, *, function: Any, args: Iterable[Any] = (), kwargs: Any = None, **more: Any
+    ) -> None:
+        super().__init__(**more)
+        self._call = functools.partial(function, **(kwargs or {}))
+        self._given = list(args or ())
+
+    def act(self, context: Context) -> None:
+        """Call it, and do what it says."""
+        for each in self._call(context, *self._given) or ():
+            visit(each, context)
+
+
+class TimerAction(_Action):
+    """Some actions, after a while."""
+
+    def __init__(self, *, period: Any, actions: Iterable[Any], **more: Any) -> None:
+        super().__init__(**more)
+        self._period, self._actions = period, list(actions)
+
+    def act(self, context: Context) -> None:
+        """Do them at once."""
+        after = _text(self._period, context)
+        context.notes.append(f"what starts after {after} s by TimerAction starts at once here")
+        for each in self._actions:
+            visit(each, context)
 
 
 class PushROSNamespace(_Action):
@@ -292,6 +371,19 @@ class SetParameter(_Action):
     def act(self, context: Context) -> None:
         """Note it."""
         context.parameters += tuple(_flat(self._given, context))
+
+
+class SetRemap(_Action):
+    """A remapping of all nodes that follow; it goes before their own, as in launch_ros."""
+
+    def __init__(self, src: Any, dst: Any, **more: Any) -> None:
+        super().__init__(**more)
+        self._pair = src, dst
+
+    def act(self, context: Context) -> None:
+        """Note it."""
+        source, target = (_text(each, context) for each in self._pair)
+        context.remappings += ((source, target),)
 
 
 class LogInfo(_Action):
@@ -330,6 +422,19 @@ class ParameterValue:
         return json.dumps(self._type(_text(self._value, context)))
 
 
+class ParameterFile(Substitution):
+    """A YAML file of parameters."""
+
+    def __init__(self, param_file: Any, *, allow_substs: Any = False) -> None:
+        if allow_substs:
+            raise Unknown("ParameterFile(allow_substs=True) is not read here")
+        self._file = param_file
+
+    def perform(self, context: Context) -> str:
+        """Return its path."""
+        return _text(self._file, context)
+
+
 class Node(_Action):
     """A program of a package."""
 
@@ -344,7 +449,10 @@ class Node(_Action):
         self._package, self._executable = package, executable
         self._name, self._namespace = name, namespace
         if isinstance(parameters, str | Mapping | Substitution):  # launch_ros takes a list, too
-            raise Unknown("Node(parameters=…) takes a list: put square brackets around it")
+            raise Mistaken("Node(parameters=…) takes a list: put square brackets around it")
+        pairs = remappings or ()
+        if not all(isinstance(pair, list | tuple) and len(pair) == 2 for pair in pairs):
+            raise Mistaken('Node(remappings=…) takes a list of pairs, as in [("scan", "/scan")]')
         self._parameters, self._remappings = parameters or (), remappings or ()
         self._arguments, self._ros_arguments = arguments or (), ros_arguments or ()
 
@@ -377,11 +485,19 @@ class Node(_Action):
                 made[file] = _yaml(node, _flat(given, context))
             else:
                 words += [w for pair in _flat(given, context) for w in ("-p", ":=".join(pair))]
-        for source, target in self._remappings:
+        for source, target in (*context.remappings, *self._remappings):
             words += ["-r", f"{_text(source, context)}:={_text(target, context)}"]
         first = [_text(word, context) for word in self._arguments]
         ros = ["--ros-args", *words] if words else []
         context.started.append(Started(package, executable, (*first, *ros), self._needed, made))
+
+
+def _place() -> str:
+    """Return the launch file's line that is being run."""
+    frame = sys._getframe(1)
+    while frame.f_back is not None and frame.f_code.co_filename == __file__:
+        frame = frame.f_back
+    return f"{Path(frame.f_code.co_filename).name}, line {frame.f_lineno}"
 
 
 def _below(base: str, namespace: str) -> str:
@@ -427,4 +543,4 @@ def _text(value: Any, context: Context) -> str:
         return "".join(_text(part, context) for part in value)
     if isinstance(value, str | os.PathLike | int | float):
         return os.fspath(value) if isinstance(value, os.PathLike) else str(value)
-    raise Unknown(f"a launch file has a {type(value).__name__} where a text belongs")
+    raise Mistaken(f"a launch file has a {type(value).__name__} where a text belongs")

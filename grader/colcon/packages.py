@@ -27,7 +27,7 @@ from xml.etree import ElementTree
 import msgspec
 
 from grader.advice import hints
-from grader.colcon import launch_files
+from grader.colcon import launch_files, launch_stand_in
 from grader.colcon.frames import Executable, Launched, PackageRead, ReadPackage
 from grader.hosted.fields import sendable
 
@@ -42,6 +42,8 @@ SETTINGS = (
     "name", "packages", "package_dir", "py_modules", "data_files", "entry_points", "scripts",
     "package_data",
 )  # fmt: skip
+OURS = "|".join(["Context", *launch_stand_in.KNOWN.split(", ")])
+NOT_IN_OURS = re.compile(rf"'({OURS})' object (has no attribute|is not)|operand .*'({OURS})'")
 MAX_SAID = 300  # [characters]
 
 
@@ -82,6 +84,10 @@ def read(launch: str, folders: Iterable[str] = ("",)) -> PackageRead:
         if not names:
             owner, files = LOOSE, {file.name: file.name for file in here.glob("*.py")}
             executables = [Executable(Path(file).stem, file, "", LOOSE) for file in files]
+    except BaseException as error:  # students' files may raise anything
+        return PackageRead(sendable(_said(error, here)))
+    unstarted, held = "", False
+    try:
         if launch:
             shared = [place for place, source in files.items() if source == launch]
             place = next((each for each in shared if each.startswith("share/")), launch)
@@ -91,11 +97,11 @@ def read(launch: str, folders: Iterable[str] = ("",)) -> PackageRead:
             notes.append(
                 f"{launch} by `data_files`: `ros2 launch` does not find it, though it runs here"
             )
-    except (Unbuildable, launch_files.Unknown) as error:
-        return PackageRead(sendable(str(error).replace(place, launch)))
-    except BaseException as error:  # students' files may raise anything
-        return PackageRead(sendable(_said(error, here).replace(place, launch)))
+    except BaseException as error:
+        unstarted, held = sendable(_said(error, here).replace(place, launch)), _is_ours(error)
     return PackageRead(
+        unstarted=unstarted,
+        held=held,
         files=files,
         executables=tuple(executables),
         launched=tuple(
@@ -359,6 +365,15 @@ def _ini() -> configparser.ConfigParser:
     return parser
 
 
+def _is_ours(error: BaseException) -> bool:
+    """Return whether a launch file is right, as far as is known, and only not read here."""
+    frames = traceback.extract_tb(error.__traceback__)
+    in_ours = frames[-1].filename == launch_stand_in.__file__
+    lacks = NOT_IN_OURS.search(str(error)) and isinstance(error, AttributeError | TypeError)
+    mistaken = isinstance(error, launch_files.Mistaken)
+    return isinstance(error, launch_files.Unknown) or (not mistaken and bool(in_ours or lacks))
+
+
 def _said(error: BaseException, here: Path) -> str:
     """Say what went wrong and in which of the package's lines."""
     frames = traceback.extract_tb(error.__traceback__)
@@ -368,8 +383,13 @@ def _said(error: BaseException, here: Path) -> str:
         own = [(here / f.filename, f.lineno) for f in frames]
         own = [(file, line) for file, line in own if file.is_relative_to(here)]
         where = f"{own[-1][0].relative_to(here)}, line {own[-1][1]}: " if own else ""
+    if isinstance(error, Unbuildable | launch_files.Unknown | launch_files.Mistaken):
+        place = getattr(error, "where", "")
+        return (f"{place}: " if place else where) + str(error)
     if type(error).__name__ == hints.NO_PACKAGE:
         return f"{where}{hints.no_package(str(error))}"
+    if "Node.__init__() got an unexpected keyword" in str(error):
+        return f"{where}{launch_stand_in.RCLPYS}"
     text = " ".join(str(error).split()).replace(f"{here}/", "")
     if isinstance(error, ModuleNotFoundError) and (more := hints.missing_package(error.name or "")):
         text += f"; {more}"

@@ -50,6 +50,8 @@ class Package:
     programs: tuple[Program, ...] = ()  # to start together; () before it is read
     every: tuple[Program, ...] = ()  # that could be started
     folders: tuple[str, ...] = ("",)  # the packages'; none: a launch file beside its programs
+    problem: str = ""  # why its launch file can't be started ...
+    held: bool = False  # ... here: a person has to look
 
 
 @dataclass(frozen=True)

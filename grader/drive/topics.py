@@ -15,7 +15,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from grader.checks.commands import garbage, spell
-from grader.checks.wiring import OURS as GRADERS
 from grader.recording import Endpoint, Recording
 from sim.messages import CMD_VEL_TOPIC, GOAL_TOPIC, TWIST, TWIST_STAMPED, Message, decode
 from sim.sensors import OFFERED
@@ -49,8 +48,11 @@ def topic_lines(recording: Recording) -> list[str]:
     sent = Counter(message.topic for message in recording.delivered)
     said = Counter((m.topic.removeprefix(OURS), m.type) for m in recording.published)
     lines = []
-    for end in (end for end in ends if end.kind != "timer" and not end.node.startswith(GRADERS)):
-        lines.append(_line(end, *_count(end, ends, sent, said), _lasted(recording)))
+    for end in (end for end in recording.ends if end.kind != "timer"):
+        line = _line(end, *_count(end, ends, sent, said), _lasted(recording))
+        several = len({other.node for other in recording.ends}) > 1 or "(" in end.process
+        drives = several and (end.kind, end.topic) == ("publisher", CMD_VEL_TOPIC)
+        lines.append(f"{line}, by {end.node} of {end.process}" if drives else line)
         lines += [f"    {text}" for text in _problems(recording, end, sent)]
     return lines
 

@@ -291,8 +291,10 @@ def grade_submission(
                 practice=launcher.practice,
                 on_progress=on_progress,
             )
+        held = submission.package is not None and submission.package.held
         repeated = tier == 2 or any(r.live is not None and r.live.stall for r in grading.recordings)
-        if repeated or not any(check.outcome == INCONCLUSIVE for check in grading.checks):
+        undecided = any(check.outcome == INCONCLUSIVE for check in grading.checks)
+        if held or repeated or not undecided:
             break  # a trial in real time has been repeated already
         kept = kept and kept.anew()
     return grading

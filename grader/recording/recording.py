@@ -52,7 +52,8 @@ class Outcome:
     `missing` (a file of the submission), `unreadable`, `syntax_error`, `exception`, `returned`,
     `exited` (sys.exit), `died` (the process vanished), `hung` (no answer within the wall time),
     `slow` (answers, but not done within it), `stuck` (a deadlock), `never_spun`, `flooded`,
-    `forged`, `real_time` (it can't run in virtual time, and has to run again).
+    `forged`, `held` (its launch file can't be read here: a person has to look), `real_time` (it
+    can't run in virtual time, and has to run again).
     """
 
     kind: str
@@ -82,6 +83,7 @@ class Endpoint(msgspec.Struct, frozen=True):
     durability: str = ""
     depth: int = 0
     mismatch: str = ""  # why it and the robot's end of the topic can't talk; "" if they can
+    process: str = ""  # its program's file; of one that was started before, "guard.py (2)"
 
     @property
     def matched(self) -> bool:
@@ -214,6 +216,12 @@ class Recording:
         return float(self.compute.queued[first:last].max(initial=0.0))
 
     @cached_property
+    def ends(self) -> tuple[Endpoint, ...]:
+        """The endpoints of the student's programs, whatever their nodes are called."""
+        ours = {program.file for program in self.scenario.program if program.supplied}
+        return tuple(end for end in self.endpoints if end.process not in ours)
+
+    @cached_property
     def messages(self) -> tuple[Message, ...]:
         """Everything that crossed the link, in order of time."""
         return tuple(sorted(self.delivered + self.published, key=lambda message: message.time))
@@ -269,7 +277,9 @@ class Recording:
         for array in (truth.t, truth.x, truth.y, truth.yaw, truth.v, truth.w, truth.clearance):
             result.update(array.tobytes())
         result.update(truth.contact.tobytes())
-        result.update(msgspec.json.encode(self.endpoints))
+        ends = [msgspec.structs.asdict(end) for end in self.endpoints]
+        ends = [{name: end[name] for name in end if name != "process"} for end in ends]
+        result.update(msgspec.json.encode(ends))
         if self.live is None:
             result.update(msgspec.msgpack.encode(self.inferences))
         if self.training is not None:

@@ -29,6 +29,9 @@ def not_runnable(submission: Submission, scenario: Scenario) -> Outcome | None:
     """Return why a submission can't run in a scenario; None if there is no reason."""
     if submission.problem:
         return Outcome("unreadable", submission.problem)
+    package = submission.package
+    if package and package.problem and _launches(scenario):
+        return Outcome("held" if package.held else "unreadable", package.problem)
     if missing := missing_file(scenario, submission):
         return Outcome("missing", missing)
     return None
@@ -80,3 +83,8 @@ def without_folder(outcome: Outcome, folder: Path) -> Outcome:
 def line_without_folder(line: LogLine, folder: Path) -> LogLine:
     """Show paths as the student knows them."""
     return LogLine(line.time, line.level, line.text.replace(f"{folder}/", ""))
+
+
+def _launches(scenario: Scenario) -> bool:
+    """Return whether a scenario starts what the submission's launch file starts."""
+    return not scenario.program or any(not program.file for program in scenario.program)

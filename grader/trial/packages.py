@@ -25,7 +25,7 @@ def unpacked(submission: Submission, launcher: Launcher) -> Submission:
     What is no package, or was read before, is returned as it is.
     """
     package = submission.package
-    if package is None or package.programs or submission.problem:
+    if package is None or package.programs or package.problem or submission.problem:
         return submission
     launch = package.start if package.start.endswith(LAUNCH) else ""
     if not package.start:
@@ -73,13 +73,22 @@ def _with_programs(
     data = {name: path for name, path in there.items() if not name.endswith(PYTHON)}
     files = {**data, **installed}
     words = [w for each in answer.launched for w in (*each.arguments, *each.made.values())]
-    if sum(len(word.encode()) for word in words) > MAX_ARGUMENTS:
-        return replace(submission, problem=f"{launch} gives more arguments than a program can have")
     above = {str(each) for place in files for each in PurePosixPath(place).parents}
     if clash := sorted(above & files.keys()):
         return replace(submission, problem=f"{clash[0]} would be a file and a folder")
     known = {_title(each.package, each.name, answer): each for each in answer.executables}
     every = tuple(Program(e.file, e.entry) for e in known.values() if e.file in installed)
+    problem = answer.unstarted
+    if sum(len(word.encode()) for word in words) > MAX_ARGUMENTS:
+        problem = f"{launch} gives more arguments than a program can have"
+    unstarted = replace(
+        submission,
+        beside=files,
+        left=(*submission.left, *filter(str.isprintable, answer.notes)),
+        package=replace(package, every=every, problem=problem, held=answer.held),
+    )
+    if problem:
+        return unstarted
     try:
         if launch:
             titles = [_title(each.package, each.executable, answer) for each in answer.launched]
@@ -99,13 +108,16 @@ def _with_programs(
             for each, told in zip(chosen, answer.launched or [Launched("", ())], strict=True)
         )
     except LookupError as error:
-        return replace(submission, problem=_no_program(error, answer, launch, there))
+        problem = _no_program(error, answer, launch, there)
+        if not launch:
+            return replace(submission, problem=problem)
+        return replace(unstarted, package=replace(package, every=every, problem=problem))
     main = next((p for p in programs if p.file.endswith(f"/{package.main}")), programs[0])
     return replace(
         submission,
         path=files[main.file],
         beside=files,
-        left=(*submission.left, *filter(str.isprintable, answer.notes)),
+        left=unstarted.left,
         package=replace(package, programs=programs, every=every),
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import msgspec
 import numpy as np
@@ -36,11 +36,18 @@ class Recorder:
     ----------
     stamped
         The robot takes TwistStamped as well as Twist.
+    programs
+        Files of the programs that run, in order.
     most
         What the node may publish [bytes].
     """
 
-    def __init__(self, *, stamped: bool = False, most: int = MAX_BYTES) -> None:
+    def __init__(
+        self, programs: Sequence[str] = (), *, stamped: bool = False, most: int = MAX_BYTES
+    ) -> None:
+        again = [programs[:i].count(file) for i, file in enumerate(programs)]
+        named = zip(programs, again, strict=True)
+        self._processes = [f"{file} ({n + 1})" if n else file for file, n in named]
         self.delivered: list[Message] = []
         self.published: list[Message] = []
         self.endpoints: list[Endpoint] = []
@@ -51,7 +58,12 @@ class Recorder:
 
     def note_endpoints(self, reports: Iterable[EndpointReport]) -> None:
         """Note the endpoints that the node has created."""
-        self.endpoints += [Endpoint(*msgspec.structs.astuple(report)) for report in reports]
+        for report in reports:
+            *said, number = msgspec.structs.astuple(report)
+            if number >= len(self._processes) > 0:
+                raise HostForged(f"an end of the program {number}")
+            of = self._processes[number] if self._processes else ""
+            self.endpoints.append(Endpoint(*said, of))
         if len(self.endpoints) > MAX_ENDPOINTS:
             raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import shutil
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -31,6 +31,11 @@ class Stage:
     folder: Path
     programs: tuple[ProgramStart, ...]
     offers: tuple[Offer, ...]
+
+    @property
+    def files(self) -> list[str]:
+        """The programs' files, below the folder."""
+        return [Path(each.file).relative_to(self.folder).as_posix() for each in self.programs]
 
 
 @contextlib.contextmanager
@@ -101,9 +106,19 @@ def _programs(
                 spared=len(group) > 1 and not program.needed,
                 asked={} if spec.supplied else _parameters(asked),
             )
-            for number, program in enumerate(group, len(programs))
+            for number, each in enumerate(group, len(programs))
+            for program in [_played(scenario.node.stand_in, each, folder)]
         ]
     return tuple(programs)
+
+
+def _played(stand_in: str, program: Program, folder: Path) -> Program:
+    """Return the program; where there is a stand-in, that, under the program's name."""
+    if not stand_in:
+        return program
+    name = Path(program.file).name
+    shutil.copyfile(SUPPLIED / stand_in, folder / name)
+    return replace(program, file=name, entry="")
 
 
 def _read_out(submission: Submission) -> tuple[Program, ...]:

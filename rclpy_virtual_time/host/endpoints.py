@@ -59,14 +59,17 @@ class EndpointWatch:
         setattr(cls, method, watched)
 
 
-def report(kind: str, node: Any, endpoint: Any, mismatch: str = "") -> EndpointReport:
+def report(
+    kind: str, node: Any, endpoint: Any, mismatch: str = "", process: int = 0
+) -> EndpointReport:
     """Describe an endpoint for the judge."""
     owner = node.get_fully_qualified_name()
     is_topic = kind in ("publisher", "subscription")
     # a destroyed endpoint, as it is after an exception, has no name any more
     endpoint._course_name = endpoint.topic_name if is_topic else endpoint.service_name
     if kind in ("service", "client"):
-        return EndpointReport(kind, owner, endpoint.service_name, type_name(endpoint.srv_type))
+        name, type = endpoint.service_name, type_name(endpoint.srv_type)
+        return EndpointReport(kind, owner, name, type, process=process)
     qos = endpoint.qos_profile
     return EndpointReport(
         kind,
@@ -77,6 +80,7 @@ def report(kind: str, node: Any, endpoint: Any, mismatch: str = "") -> EndpointR
         qos.durability.name.lower(),
         int(qos.depth),  # rclpy takes True for 1
         mismatch,
+        process,
     )
 
 

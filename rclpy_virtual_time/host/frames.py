@@ -155,6 +155,7 @@ class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
     durability: Name = ""
     depth: int = 0
     mismatch: Text = ""  # why it and the robot's end of the topic can't talk; "" if they can
+    process: Nanoseconds = 0  # of which program, counted as in `Start`
 
 
 NOTED = (

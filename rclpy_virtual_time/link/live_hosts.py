@@ -14,6 +14,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, TypeAlias
 
+import msgspec
+
 from rclpy_virtual_time.host.frames import (
     MAX_FRAME,
     MAX_PUBLISHED,
@@ -394,7 +396,9 @@ class LiveHosts:
                         self._asked += len(frame.endpoints)
                         if self._asked > MAX_ENDPOINTS:
                             raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
-                        self._tell_radio(Meet(tuple(frame.endpoints)))
+                        number = self.programs.index(program)
+                        own = (msgspec.structs.replace(e, process=number) for e in frame.endpoints)
+                        self._tell_radio(Meet(tuple(own)))
                 case Asking():
                     for question in frame.asked:
                         self._answerer.ask(question, real_clock.monotonic_ns(), program)

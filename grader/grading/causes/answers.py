@@ -224,7 +224,8 @@ def _low_pass(rows: Sequence[Row]) -> str:
 
 def publishers_of(recording: Recording) -> str:
     """Several publishers on the robot's topic, or one for each message."""
-    ends = [e for e in recording.endpoints if (e.kind, e.topic) == ("publisher", CMD_VEL_TOPIC)]
+    every = [e for e in recording.ends if (e.kind, e.topic) == ("publisher", CMD_VEL_TOPIC)]
+    ends = [e for e in every if (e.node, e.process) == (every[0].node, every[0].process)]
     commands = len(recording.twists().t)
     if len(ends) < 2 or (len(ends) == 2 and commands < 1.5 * len(recording.scans())):
         return ""

@@ -177,7 +177,8 @@ class Bridge:
                     return
             case "client":
                 self.parameters_in_use |= is_parameter_service(endpoint.service_name)
-        self._endpoints.append(report(kind, node, endpoint, mismatch))
+        process = getattr(endpoint._course_party.program, "number", 0)
+        self._endpoints.append(report(kind, node, endpoint, mismatch, process))
 
     def _await_history(self, topic: str) -> None:
         """Wait until a new subscription has the messages published before it.

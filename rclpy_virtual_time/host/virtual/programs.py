@@ -38,9 +38,10 @@ GLOBAL_EXECUTOR = "__executor"  # of the module rclpy
 class Program:
     """One emulated process."""
 
-    def __init__(self, kernel: Kernel, start: ProgramStart | None = None) -> None:
+    def __init__(self, kernel: Kernel, start: ProgramStart | None = None, number: int = 0) -> None:
         self.start = start or ProgramStart("")  # without one: the host itself
         self.signals = Signals(kernel) if start else None
+        self.number = number
         self.initialised = False  # rclpy.init was called
         self.shut = False  # rclpy.shutdown was called
         self.killed = False
@@ -64,7 +65,7 @@ class Programs:
         leaves: Callable[[ProgramStart, int], bool] = lambda *_: False,
     ) -> None:
         self._kernel = kernel
-        self._programs = [Program(kernel, start) for start in starts]
+        self._programs = [Program(kernel, start, i) for i, start in enumerate(starts)]
         self._run = run
         self._leaves = leaves  # with `os._exit`, and the others go on
         self._host = Program(kernel)
