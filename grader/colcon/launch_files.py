@@ -103,7 +103,7 @@ def _module(name: str, has: Mapping[str, Any]) -> ModuleType:
             raise AttributeError(wanted)
 
         def refuse(*_: object, **__: object) -> None:  # what is imported only, does no harm
-            raise Unknown(f"{name}.{wanted} is not read here; a launch file may have {KNOWN}")
+            raise Unknown(f"{name}.{wanted} is not known here; a launch file may have {KNOWN}")
 
         return type(wanted, (), {"__new__": refuse})
 

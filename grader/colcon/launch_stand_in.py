@@ -242,7 +242,7 @@ class _Action:
             if isinstance(self, Node) and odd[0] not in LEFT:
                 meant = f": is {near[0]} meant?" if near else ""
                 raise Mistaken(f"Node has no argument {odd[0]}{meant}")
-            raise Unknown(f"{type(self).__name__}({odd[0]}=…) is not read here")
+            raise Unknown(f"{type(self).__name__}({odd[0]}=…) is not known here")
         if condition is not None and not isinstance(condition, IfCondition):
             raise Unknown("condition=… takes IfCondition(…) or UnlessCondition(…) here")
         self.condition = condition

@@ -58,12 +58,12 @@ class Recorder:
 
     def note_endpoints(self, reports: Iterable[EndpointReport]) -> None:
         """Note the endpoints that the node has created."""
+        names = dict(enumerate(self._processes))
         for report in reports:
-            *said, number = msgspec.structs.astuple(report)
-            if number >= len(self._processes) > 0:
-                raise HostForged(f"an end of the program {number}")
-            of = self._processes[number] if self._processes else ""
-            self.endpoints.append(Endpoint(*said, of))
+            if report.process not in names and names:
+                raise HostForged(f"an end of program {report.process}")
+            said = msgspec.structs.asdict(report)
+            self.endpoints.append(Endpoint(**said | {"process": names.get(report.process, "")}))
         if len(self.endpoints) > MAX_ENDPOINTS:
             raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
 
