@@ -84,7 +84,8 @@ class Submission:
         if self.package is None:
             return (Program(name or self.path.name),)
         if name and name != self.package.main:
-            launched = self.package.programs if self.package.folders else ()
+            alone = self.package.main.endswith(LAUNCH)  # without what its launch file says
+            launched = self.package.programs if self.package.folders and not alone else ()
             every = (*launched, *self.package.every)
             return next(((each,) for each in every if f"/{each.file}".endswith(f"/{name}")), ())
         rest = tuple(f"/{other}" for other in self.package.others)

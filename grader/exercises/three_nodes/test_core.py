@@ -26,6 +26,7 @@ from grader.recording import Recording
 
 LAUNCH, BENCH, WALL = "shuttle_launch", "shuttle_bench", "shuttle_wall"
 WATCHER, DRIVER, GUARD = "shuttle_watcher", "shuttle_driver", "shuttle_guard"
+CHAIN = "No distance, no wish, no speed: where does the chain go on?"
 RAW, DISTANCE = "/shuttle/cmd_vel_raw", "/shuttle/distance"
 
 
@@ -43,17 +44,13 @@ def test_connected(runs: Runs) -> None:
     wired(runs, *(node.removeprefix("/") for node in NODES))
 
 
-@check(points=10, asks=SAFETY, task=2, scenarios=(LAUNCH, BENCH, WALL), needs=(), hint="2.2")
+@check(points=10, asks=SAFETY, task=2, scenarios=(LAUNCH, BENCH), needs=(), hint="2.2")
 def test_only_guard(runs: Runs) -> None:
     """Only the guard publishes on /cmd_vel."""
     help = "Who else ends up on /cmd_vel, and by what: a remapping, or a program of its own?"
     require_alive(runs[LAUNCH])
     for recording, case in runs.cases("drivers"):
         _require(recording, case, "not the guard alone publishes on /cmd_vel", lambda _: help)
-    told = given(runs[LAUNCH])
-    for recording in runs.only(BENCH, WALL):
-        if recording.outcome.completed and told.get("max_speed") == GIVEN["max_speed"]:
-            within(recording, CONTRACT.limits, help)
 
 
 @check(points=15, asks=DECISION, task=3, scenarios=(LAUNCH,), needs=(), hint="3.1")
@@ -93,11 +90,30 @@ def test_silence(runs: Runs) -> None:
     follows(runs, "old", help="Without a new wish, what does your timer publish?")
 
 
-@check(points=10, asks=SAFETY, scenarios=(WALL,), needs=("wishes", "limits"), hint="6.2")
+@check(
+    points=10,
+    asks=SAFETY,
+    scenarios=(WALL, BENCH, LAUNCH),
+    needs=("wishes", "limits"),
+    hint="6.2",
+)
 def test_keeps_distance(runs: Runs) -> None:
     """The robot drives up to a wall and stops before it; blind, it does not drive."""
-    keeps_distance(runs)
-    follows(runs, "old", help="No distance, no wish, no speed: where does the chain go on?")
+    wall = runs.only(WALL)
+    keeps_distance(wall)
+    if given(runs[LAUNCH]).get("max_speed") == GIVEN["max_speed"]:  # and the guard keeps to it
+        for recording in runs.only(BENCH, WALL):
+            within(recording, CONTRACT.limits, "What else than the guard's word reaches /cmd_vel?")
+    if not any(wall.cases("old")):
+        fail(
+            "wishes came all the while, so the guard never stopped the robot",
+            expected="no wish while the lidar is silent, from 4.0 s to 5.5 s",
+            actual="none that was 0.5 s old",
+            at=4.5,
+            recording=runs[WALL],
+            help=CHAIN,
+        )
+    follows(wall, "old", help=CHAIN)
 
 
 def _require(
