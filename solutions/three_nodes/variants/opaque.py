@@ -4,38 +4,20 @@ field: all
 """
 
 from launch import LaunchDescription
-from launch.actions import GroupAction, OpaqueFunction, TimerAction
+from launch.actions import OpaqueFunction, TimerAction
 from launch_ros.actions import Node, SetRemap
 
-PARTS = {"watcher": {}, "driver": {"cruise_speed": 0.4, "stop_distance": 0.6}}
+WATCHER = {"executable": "watcher"}
+DRIVER = {"executable": "driver", "parameters": [{"cruise_speed": 0.4, "stop_distance": 0.6}]}
+GUARD = {"executable": "guard", "parameters": [{"max_speed": 0.25}]}
 
 
-def parts(context):
-    return [
-        Node(
-            package="course_exercises",
-            executable=name,
-            namespace="shuttle",
-            parameters=[given],
-            respawn=True,
-            respawn_delay=1.0,
-        )
-        for name, given in PARTS.items()
-    ]
+def node(**given):
+    return Node(package="course_exercises", namespace="shuttle", respawn=True, **given)
 
 
 def generate_launch_description():
-    guard = Node(
-        package="course_exercises",
-        executable="guard",
-        namespace="shuttle",
-        remappings=[("cmd_vel", "/cmd_vel")],
-        parameters=[{"max_speed": 0.25}],
-    )
+    guard = node(**GUARD, remappings=[("cmd_vel", "/cmd_vel")])
     renamed = [SetRemap("scan", "/scan"), SetRemap("cmd_vel", "cmd_vel_raw")]
-    return LaunchDescription(
-        [
-            TimerAction(period=0.5, actions=[guard]),
-            GroupAction([*renamed, OpaqueFunction(function=parts)]),
-        ]
-    )
+    others = OpaqueFunction(function=lambda context: [node(**WATCHER), node(**DRIVER)])
+    return LaunchDescription([TimerAction(period=0.5, actions=[guard]), *renamed, others])
