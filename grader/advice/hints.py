@@ -14,7 +14,7 @@ import socket
 import sys
 import traceback
 from collections.abc import Callable, Iterator
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any
 
 from grader.advice.plain_words import INSTEAD
@@ -110,7 +110,7 @@ def hint(error: BaseException) -> str:
         return _hiding(PurePath(file))
     if isinstance(error, ModuleNotFoundError):
         name = (error.name or "").partition(".")[0]
-        return NEEDS.get(name) or missing_package(name)
+        return _of_own_package(error, name) or NEEDS.get(name) or missing_package(name)
     if said := _of_a_terminal(error):
         return said
     if isinstance(error, KeyError) and _last_file(error) in OF_OS:
@@ -132,6 +132,19 @@ def hint(error: BaseException) -> str:
             return MEMORY
         if isinstance(cause, OSError) and (said := _refusal(cause)):
             return said
+    return ""
+
+
+def _of_own_package(error: BaseException, name: str) -> str:
+    """Name the package of a module that lies beside the file that imports it."""
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        file = Path(frame.filename)
+        if file.with_name(f"{name}.py").is_file():
+            package = file.parent.name
+            return (
+                f"{name}.py lies in the package {package}, and is imported by the package's name: "
+                f"`from {package}.{name} import …`"
+            )
     return ""
 
 

@@ -125,6 +125,11 @@ RULES = (
          "spin() takes a node, not its class: node = MyNode(), then rclpy.spin(node)", API),
     Rule("TypeError", r"^spin(?:_once)?\(\) missing .*'node'", "",
          "there is no global node in ROS 2: node = MyNode(), then rclpy.spin(node)", MIGRATION),
+    Rule("TypeError", r"descriptor '\w+' requires a 'super' object", "",
+         'super is called, too: super().__init__("name_of_the_node")', PYTHON),
+    Rule("RCLError", r"^Failed to create subscription: invalid allocator|with incompatible type",
+         "", "a topic has one type: this program has an end of that name already, with another "
+         "type. One of the two needs another type or another name", NODES),
     Rule("NotImplementedError", r"Service classes can not be instantiated", "",
          "a service type has two messages: Trigger.Request() and Trigger.Response()", NODES),
     Rule("TypeError", r"call_async\(\) missing|^$", r"\.call_async\(",

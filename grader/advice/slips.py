@@ -8,7 +8,9 @@ and the judge takes no other sentence for one (`said_in`): a node may print what
 from __future__ import annotations
 
 import ast
+import contextlib
 import difflib
+import importlib
 import math
 import re
 from collections import Counter
@@ -36,6 +38,7 @@ SAID = {  # slip: the sentence, with names for {}
     "spins": "spin does not return: what stands below it in __init__ is never made",
     "any": "{} is True or False, and no number: put the comparison inside",  # W0143
     "bits": "& and | bind tighter than < and >: brackets belong around the comparison",
+    "field": "{} has no field {}, and takes the word in silence: is {} meant?",
     "in_loop": "this return ends the loop in its first round: indent it less",
 }
 SENTENCE = re.compile(
@@ -65,7 +68,7 @@ def slips(source: bytes) -> list[str]:
         Python does not accept it.
     """
     tree = ast.parse(source)
-    looks = (_statements, _comparisons, _conditions, _functions, _classes, _loops)
+    looks = (_statements, _comparisons, _conditions, _functions, _classes, _loops, _messages)
     try:
         found = sorted({said for look in looks for said in look(tree)})
     except RecursionError:  # a name of a thousand dots
@@ -240,6 +243,28 @@ def _loops(tree: ast.AST) -> Found:
             anew = {each.id for each in names if isinstance(each.ctx, ast.Store)}
             if (_collected(node) - anew) & {each.id for each in _all(last.value, ast.Name)}:
                 yield _said(last, "in_loop")
+
+
+def _messages(tree: ast.AST) -> Found:
+    """Yield the fields that a message does not have: its constructor drops them."""
+    classes: dict[str, Any] = {}
+    for node in _all(tree, ast.ImportFrom):
+        if re.fullmatch(r"\w+\.(msg|srv)", node.module or "") and not node.level:
+            with contextlib.suppress(Exception):  # the import itself will say it
+                module = importlib.import_module(node.module)
+                for each in node.names:
+                    classes[each.asname or each.name] = getattr(module, each.name)
+    for node in _all(tree, ast.Call):
+        first, *rest = _dotted(node.func).split(".")
+        made = classes.get(first)
+        for name in rest:
+            made = getattr(made, name, None)
+        with contextlib.suppress(AttributeError):  # no message's class
+            fields = [*made.get_fields_and_field_types()]  # type: ignore[union-attr]
+            for name in (each.arg for each in node.keywords if each.arg):
+                for near in difflib.get_close_matches(name, {*fields} - {name}, 1, 0.0):
+                    if name not in fields:
+                        yield _said(node, "field", _dotted(node.func), name, near)
 
 
 def _given(tree: ast.AST) -> set[str]:

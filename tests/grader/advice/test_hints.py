@@ -89,6 +89,18 @@ def test_exceptions_of_the_program_itself_get_no_advice(run_node: RunNode, sourc
     assert outcome.text.endswith("in <module>)")
 
 
+def test_a_module_of_ones_own_package_has_its_name(run_node: RunNode) -> None:
+    outcome = run_node("""
+        import os
+        os.mkdir('my_robot')
+        for name, line in (('perception', ''), ('driver', 'import perception'), ('__init__', '')):
+            open(f'my_robot/{name}.py', 'w').write(line)
+        import my_robot.driver
+    """).outcome
+
+    assert "`from my_robot.perception import …`" in outcome.text
+
+
 def test_a_package_of_ros_that_is_not_installed(run_node: RunNode) -> None:
     outcome = run_node("from no_such_robot_msgs.msg import State").outcome
 

@@ -37,6 +37,8 @@ SLIPS = {  # a program: what is said
     "def f(x, *, seen=[]): seen.append(x)": "default of seen is made once",
     "class A(Node):\n    def __init__(self):\n        super().__init__('a')\n"
     "        rclpy.spin(self)\n        self.x = 1": "below it in __init__",
+    "from geometry_msgs.msg import Twist as T\nx = T(lineal=y)": "is linear meant?",
+    "from std_srvs.srv import SetBool\nSetBool.Response(sucess=True)": "is success meant?",
     "if all(distances) < 0.5: pass": "all is True or False",
     "mask = usable & angles > 0.5": "bind tighter",
     "def f(y):\n    n = 0\n    for x in y:\n        n += x\n        return n / 2": "indent it less",
@@ -65,6 +67,9 @@ NONE = (  # what may be meant
     "class A:\n    def __init__(self): self.timer = 1\n    def f(self): return self.timer\n"
     "    def g(self): self.time = 2\n    def h(self): return self.time",
     "def f(x=[], y=QoSProfile(depth=1)): return x",
+    "from geometry_msgs.msg import Twist\nx = Twist(linear=y, **z)",
+    "from std_srvs.srv import SetBool\nSetBool.Request(data=True)\nSetBool.None_(a=1)",
+    "from no.msg import A\nA(b=1)",
     "if flags & MASK == MASK: pass",
     "class A(Node):\n    def __init__(self):\n        rclpy.spin(self)",
     "def f(y):\n    for x in y:\n        if x: return x",
