@@ -9,6 +9,7 @@ import numpy as np
 from rich.markup import escape
 from rich.padding import Padding
 
+from grader.advice.slips import said_in
 from grader.drive.topics import topic_lines
 from grader.recording import Recording, account_of, ended_of, growth_of
 from grader.recording.deaths import told_first
@@ -64,6 +65,9 @@ def print_summary(
         say(f"  {escape(line)}")
     for line in growth_of(recording):
         say(f"  WARNING: {escape(line)}")
+    said = (line.text for line in recording.log if line.level == "stderr")
+    for slip in filter(None, map(said_in, said)):
+        say(f"  WARNING: line {slip.line}: {escape(slip.text)}")
     _print_words(recording, console, most, rest)
     if practice:
         say(f"  {practice}", style="yellow")

@@ -42,12 +42,13 @@ def sent(recording: Recording) -> list[Quest]:
 
 
 def reaches(recording: Recording, quest: Quest, within: float = math.inf) -> float:
-    """Fail unless the robot drives to a goal in this time [s], before it is carried anywhere.
+    """Fail unless the robot drives to a goal in this time [s], before it is carried there.
 
     Return the ratio of the shortest path to the goal's circle to the path driven.
     """
     require_alive(recording)
-    carried = [event.at for event in recording.scenario.script if event.teleport is not None]
+    moved = [(each.at, each.teleport) for each in recording.scenario.script if each.teleport]
+    carried = [at for at, to in moved if math.dist(to[:2], (quest.x, quest.y)) <= TOLERANCE]
     ends = (quest.end, quest.begin + within, *carried)
     end = min(end for end in ends if end > quest.begin)
     truth, t = recording.truth, recording.truth.t / 1e9
