@@ -290,7 +290,7 @@ class RunTest(msgspec.Struct, frozen=True, tag="run_test"):
 
 
 class Reported(msgspec.Struct, frozen=True, tag="reported"):
-    """One of the test's reports, as JSON."""
+    """One of the test's reports or warnings, as JSON."""
 
     report: str
 

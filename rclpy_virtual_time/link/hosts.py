@@ -317,7 +317,7 @@ class ForkServer:
             try:
                 hello = msgspec.json.decode(self._hear(), type=Hello)
             except (OSError, msgspec.DecodeError) as error:
-                raise EngineError(f"no host for students' nodes: {self._why()}") from error
+                raise EngineError(f"no host for nodes: {self._why()}") from error
             self._means = hello
             self._ready = True
             if self._kind == LIVE:  # it forks hosts while a trial in real time is running
@@ -394,7 +394,7 @@ def _check_open(folder: Path) -> None:
     closed = closed_ancestor(folder.parent)
     if closed is not None:
         raise EngineError(
-            f"{closed}: closed to the user that runs students' nodes, and holds their temporary "
+            f"{closed}: closed to the user that runs nodes, and holds their temporary "
             "folders; set TMPDIR to a folder that everybody can enter, such as /tmp"
         )
 

@@ -66,8 +66,7 @@ class Processes:
         self, item: pytest.Item, nextitem: pytest.Item | None
     ) -> bool | None:
         """Run a test that wants virtual time in a process of its own."""
-        asked = FIXTURE in getattr(item, "fixturenames", ()) or item.get_closest_marker(MARK)
-        if not (self._every or asked):
+        if not self._wanted(item):
             return None
         from rclpy_virtual_time.link.practice import PracticeServer  # noqa: PLC0415
 
@@ -81,6 +80,15 @@ class Processes:
         self._hosts.run(item)
         item.session._setupstate.teardown_exact(nextitem)  # of fixtures that this module's had
         return True
+
+    @pytest.hookimpl(optionalhook=True, tryfirst=True)
+    def pytest_timeout_set_timer(self, item: pytest.Item) -> bool | None:
+        """Leave pytest-timeout's timer to the test's process, where its seconds are virtual."""
+        return self._wanted(item) or None
+
+    def _wanted(self, item: pytest.Item) -> bool:
+        asked = FIXTURE in getattr(item, "fixturenames", ()) or item.get_closest_marker(MARK)
+        return self._every or bool(asked)
 
     def pytest_unconfigure(self) -> None:
         """End the process."""

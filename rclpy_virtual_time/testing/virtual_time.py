@@ -7,11 +7,14 @@ come back as if the test had run here.
 
 from __future__ import annotations
 
+import builtins
 import json
 import os
 import re
 import select
 import sys
+import warnings
+from socket import gethostname
 from typing import Any, Literal
 
 import pytest
@@ -34,8 +37,7 @@ OTHERS_LIMIT = 3600.0  # [s] of it, for tests that did not ask for it: they may 
 PATIENCE = 120.0  # [s] of real time
 START = 10.0  # [s] to send the order
 GRACE = 1.0  # [s] for the end of a process that has hung up
-# reports, caches and measurements are of the pytest outside
-UNUSED = ("terminal", "cacheprovider", "junitxml", "pastebin", "pytest_cov")
+UNUSED = ("terminal", "cacheprovider", "junitxml", "pastebin")  # reports are of pytest outside
 IMPORTED_EARLY = "ignore::pytest.PytestAssertRewriteWarning"  # plug-ins that the host itself uses
 CHANGED: dict[str, Any] = {  # pytest-xdist's workers are outside, too, and so is the debugger
     "numprocesses": None,
@@ -99,7 +101,11 @@ class _TestLink(Channel):
             problem = self._wait(order, patience)
         except HostHung:
             stacks = "\n".join(filter(_is_theirs, self.stacks().splitlines()))
-            problem = f"the test still runs after {patience:g} s of real time\n\n{stacks}"
+            problem = (
+                f"the test still runs after {patience:g} s of real time: it computes, or waits in "
+                "native code (os.read, a socket), where time is real; `patience=` of "
+                f"@pytest.mark.virtual_time gives it more\n\n{stacks}"
+            )
         except HostDied:
             problem = f"the test's process ended by itself ({status_text(self._host.wait(GRACE))})"
         except HostForged as error:
@@ -107,14 +113,16 @@ class _TestLink(Channel):
         said = self.log()
         if self._item.config.getoption("capture", "fd") == "no":
             sys.stdout.write(readable("".join(f"{line.text}\n" for line in said)))
-        if problem or not self._reports:
-            text = problem or "the test was not found in its own process"
+        if problem or not self._reports or self._reports[-1].when != "teardown":
+            ended = "pytest ended in the test's own process, but the test did not"
+            text = problem or "\n".join([ended, *(line.text for line in said)])
             self._reports.append(_failure(self._item, text))
         return self._reports
 
     def _wait(self, order: RunTest, patience: float) -> str:
         """Take reports until the test is over; return what went wrong."""
-        deadline = real_clock.perf_counter() + patience
+        since = real_clock.perf_counter()
+        deadline = since + patience
         self._write(encode(order), real_clock.perf_counter() + START)
         ready = select.poll()
         for fd in (self._host.link_in, self._host.stdout, self._host.stderr):
@@ -122,8 +130,12 @@ class _TestLink(Channel):
         while True:
             while (body := self._take_frame()) is not None:
                 match decoded(body, decode_from_test):
-                    case Reported(report):
-                        self._reports.append(_report(self._item, report))
+                    case Reported(text) if "category" in (data := _readable(json.loads(text))):
+                        _warn(self._item, data)
+                    case Reported(_):
+                        self._reports.append(_report(self._item, data))
+                        since, began = real_clock.perf_counter(), since
+                        self._reports[-1].duration = since - began
                     case Ended() as end:
                         return (end.detail or end.text) if end.kind != "returned" else ""
             remaining = deadline - real_clock.perf_counter()
@@ -144,7 +156,10 @@ def _order(item: pytest.Item) -> tuple[RunTest, float]:
     asked = "virtual_time" in getattr(item, "fixturenames", ())
     limit, patience = LIMIT if asked else OTHERS_LIMIT, PATIENCE
     if (mark := item.get_closest_marker("virtual_time")) is not None:
-        limit, patience = _seconds(**mark.kwargs) if not mark.args else _seconds(*mark.args)
+        try:
+            limit, patience = _seconds(*mark.args, **mark.kwargs)
+        except TypeError as error:
+            raise EngineError(f"@pytest.mark.virtual_time(limit=…, patience=…): {error}") from None
     options = {k: v for k, v in vars(config.option).items() if _plain(v)} | CHANGED
     options["plugins"] = [*options.get("plugins", []), *(f"no:{name}" for name in UNUSED)]
     options["pythonwarnings"] = [*(options.get("pythonwarnings") or []), IMPORTED_EARLY]
@@ -154,10 +169,11 @@ def _order(item: pytest.Item) -> tuple[RunTest, float]:
     options.pop("file_or_dir", None)
     _, _, within = item.nodeid.partition("::")
     worker = getattr(config, "workerinput", {"workerid": "virtual_time", "workercount": 1})
+    measured = {"cov_master_host": gethostname(), "cov_master_topdir": os.getcwd()}  # noqa: PTH109
     order = RunTest(
         test=f"{item.path}::{within}",
         options=options,
-        worker={name: value for name, value in worker.items() if _plain(value)},
+        worker=measured | {name: value for name, value in worker.items() if _plain(value)},
         folder=os.getcwd(),  # noqa: PTH109
         environment=dict(os.environ),
         path=tuple(sys.path),
@@ -194,8 +210,7 @@ def _plain(value: object) -> bool:
     return value is None or isinstance(value, str | int | float)
 
 
-def _report(item: pytest.Item, text: str) -> pytest.TestReport:
-    data: dict[str, Any] = _readable(json.loads(text))
+def _report(item: pytest.Item, data: dict[str, Any]) -> pytest.TestReport:
     hook = item.config.hook
     report: pytest.TestReport = hook.pytest_report_from_serializable(config=item.config, data=data)
     report.nodeid = item.nodeid
@@ -204,6 +219,14 @@ def _report(item: pytest.Item, text: str) -> pytest.TestReport:
     report.sections = [(heading, said) for heading, said in report.sections]
     report.user_properties = [(name, value) for name, value in report.user_properties]
     return report
+
+
+def _warn(item: pytest.Item, data: dict[str, Any]) -> None:
+    name = data["category"]
+    kind: Any = getattr(builtins, name, None) or getattr(pytest, name, UserWarning)
+    message = warnings.WarningMessage(kind(data["text"]), kind, *data["place"])
+    said = {"warning_message": message, "when": "runtest", "nodeid": item.nodeid, "location": None}
+    item.ihook.pytest_warning_recorded.call_historic(kwargs=said)
 
 
 def _readable(data: Any) -> Any:

@@ -15,10 +15,12 @@ import signal
 import sys
 import traceback
 from collections.abc import Iterator
+from io import StringIO
 from typing import Any
 
 import pytest
 import rclpy.node
+from _pytest._io import TerminalWriter
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.qos import DurabilityPolicy
 
@@ -51,6 +53,7 @@ def serve(kernel: Kernel, epoch: int, read_fd: int, write_fd: int) -> None:
     _move_in(order)
     kernel.world = alone = Alone(kernel, order.limit, _complain)
     alone.clocks = executors.install(kernel, epoch, StandIn())
+    executors.refuse_real_time(_complain)
     _await_history()
     randomness.seed(order.seed)
     _hide_our_frames()
@@ -88,6 +91,16 @@ class Inside:
     def pytest_configure(self, config: Any) -> None:
         """Keep the configuration, whose hooks know how to write a report down."""
         self._config = config
+        nowhere = TerminalWriter(StringIO())  # for plug-ins that don't ask whether there is one
+        config.get_terminal_writer = lambda: nowhere
+
+    def pytest_warning_recorded(self, warning_message: Any, when: str) -> None:
+        """Hand a warning of the test on."""
+        category, text = warning_message.category.__name__, str(warning_message.message)
+        place = warning_message.filename, warning_message.lineno
+        if when == "runtest":
+            said = {"category": category, "text": text, "place": place}
+            self._wire.send(Reported(json.dumps(said)))
 
     def _send(self, report: Any) -> None:
         hook = self._config.hook
@@ -119,6 +132,7 @@ def _await_history() -> None:
 def _run(order: RunTest, plugin: Inside) -> None:
     config = pytest.Config.fromdictargs(order.options, [order.test])
     config.workerinput = order.worker  # type: ignore[attr-defined]  # as pytest-xdist's: no reports
+    config.workeroutput = {}  # type: ignore[attr-defined]  # pytest-cov leaves notes there
     config.pluginmanager.register(plugin, NAME)
     config.hook.pytest_cmdline_main(config=config)
 

@@ -136,7 +136,8 @@ class World:
         if end < self._kernel.now:
             raise ValueError(f"run(until={until}): it is {self.now:g} s already")
         if not nodes and executor is None:
-            self._kernel.park(end)
+            for _ in range(2):  # once that time is there, once all is done that is due then
+                self._kernel.park(end)
             return
         spinner = executor or rclpy.executors.SingleThreadedExecutor()
         for node in nodes:
@@ -145,7 +146,7 @@ class World:
             while rclpy.ok() and end > self._kernel.now:
                 left = max(1, end - self._kernel.present)
                 spinner.spin_once(timeout_sec=left / 1e9)
-            self._settle(spinner)
+            self._settle(spinner, end)
         finally:
             for node in nodes:
                 spinner.remove_node(node)
@@ -159,10 +160,10 @@ class World:
         self._open = False
         self._alone.watchers.remove(self._take)
 
-    def _settle(self, spinner: Any) -> None:
+    def _settle(self, spinner: Any, end: int) -> None:
         """Let an executor and its threads do the work that is left at this moment."""
         thread = self._kernel.me()
-        while rclpy.ok():
+        while rclpy.ok() and self._kernel.now <= end:  # a callback may have slept past it
             self._kernel.park(self._kernel.now)
             thread.idle.pop(spinner, None)
             spinner.spin_once(timeout_sec=0)
@@ -179,7 +180,8 @@ class World:
     def _node(self) -> Any:
         """Return the test's own node; there is none until the test speaks or listens."""
         if self._own is None:
-            self._own = rclpy.create_node(NODE, start_parameter_services=False, enable_rosout=False)
+            none = dict.fromkeys(("start_parameter_services", "enable_rosout"), False)
+            self._own = rclpy.create_node(NODE, use_global_arguments=False, **none)
         return self._own
 
 

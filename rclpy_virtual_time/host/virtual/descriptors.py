@@ -9,10 +9,14 @@ from __future__ import annotations
 import select
 import selectors
 import subprocess
+import time
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 from .kernel import Kernel
+
+SLEEP = time.sleep  # the real one
 
 
 def install(kernel: Kernel) -> None:
@@ -21,6 +25,7 @@ def install(kernel: Kernel) -> None:
     if poll is not None:  # another process, where one may be started, answers in real time
         popen: Any = subprocess
         popen._PopenSelector = type("PopenSelector", (poll,), {"select": poll.select})
+        popen.time = SimpleNamespace(sleep=SLEEP)  # in the loop of `wait(timeout)`
     for name in ("EpollSelector", "KqueueSelector", "PollSelector", "SelectSelector"):
         cls: Any = getattr(selectors, name, None)
         if cls is not None:

@@ -36,7 +36,6 @@ KINDS = """
     from std_msgs.msg import String
     from std_srvs.srv import Trigger
 
-
     def test_publisher_and_subscriber(virtual_time):
         with virtual_time() as world:
             talker, listener = rclpy.create_node("talker"), rclpy.create_node("listener")
@@ -45,7 +44,6 @@ KINDS = """
             listener.create_subscription(String, "topic", lambda m: heard.append(m.data), 10)
             world.run(talker, listener, until=10.0)
         assert heard == ["Hello World"] * 20
-
 
     def test_several_threads(virtual_time):
         with virtual_time() as world:
@@ -60,7 +58,6 @@ KINDS = """
             world.run(node, until=6.0, executor=MultiThreadedExecutor(num_threads=4))
         assert [at for at, _ in ended][:3] == [3.5, 4.5, 5.5]
         assert len({name for _, name in ended}) > 1
-
 
     def test_service(virtual_time):
         with virtual_time():
@@ -79,7 +76,6 @@ KINDS = """
             rclpy.spin_until_future_complete(client_node, future)
             assert future.result().message == "done"
             assert 20.0 <= time.monotonic() - began < 20.1
-
 
     def test_action(virtual_time):
         Fibonacci = pytest.importorskip("test_msgs.action").Fibonacci
@@ -114,7 +110,6 @@ OTHERS = """
     from rclpy.task import Future
     from std_msgs.msg import String
     from std_srvs.srv import Trigger
-
 
     class TestWaits(unittest.TestCase):
         @classmethod

@@ -58,10 +58,8 @@ RIGHT = """
     from rclpy.executors import MultiThreadedExecutor
     from std_msgs.msg import String
 
-
     def test_before(of_the_module):
         assert of_the_module == ["module"]
-
 
     def test_world(virtual_time):
         with virtual_time() as world:
@@ -83,14 +81,12 @@ RIGHT = """
         assert [said for _, said in ticker.heard] == ["in 0", "in 1", "now", "in 2"]
         assert len(heard) == 6 and heard[-1].data == "6"
 
-
     @pytest.mark.virtual_time
     def test_the_mark_is_enough():
         began = time.monotonic()
         asyncio.run(asyncio.sleep(7.0))
         threading.Event().wait(3.0)
         assert 10.0 <= time.monotonic() - began < 10.1  # a loop that begins or ends looks around
-
 
     def test_blocks_one_after_another(virtual_time):
         for _ in range(2):
@@ -101,7 +97,6 @@ RIGHT = """
                 assert (world.now, ticker.count) == (1.0, 2)
             assert not rclpy.ok()
 
-
     class TestInAClass:
         @pytest.mark.parametrize("text", ["a b", "c::d", "e/f"])
         def test_with_fixtures(self, virtual_time, of_the_module, text, tmp_path, monkeypatch):
@@ -111,11 +106,9 @@ RIGHT = """
             assert of_the_module == ["module"]
             assert os.environ["OF_THE_STUDENT"] == "yes"
 
-
     @pytest.mark.xfail(strict=True)
     def test_expected_to_fail(virtual_time):
         assert False
-
 
     def test_the_same_in_every_run(virtual_time, record_property):
         said, jobs = [], queue.Queue()
@@ -138,7 +131,6 @@ RIGHT = """
         assert len(said) == 50 and len({name for name, _ in said[:10]}) > 5
         record_property("said", f"{said} {heard.times} {random.random()} {os.urandom(4).hex()}")
 
-
     def test_after(of_the_module):
         assert of_the_module == ["module"] and time.time() > 1.75e9
     """
@@ -146,20 +138,22 @@ WRONG = """
     import os
     import threading
     import time
+    import warnings
 
     import pytest
     import rclpy
     from nodes import Ticker
+    from rclpy.experimental.events_executor import EventsExecutor
     from std_msgs.msg import String
-
 
     def test_assertion(virtual_time):
         with virtual_time() as world:
             ticker = Ticker()
             world.run(ticker, until=2.0)
             print("counted", ticker.count)
+            warnings.simplefilter("default")
+            warnings.warn("worn out")
             assert ticker.count == 5
-
 
     def test_callback(virtual_time):
         with virtual_time() as world:
@@ -167,11 +161,9 @@ WRONG = """
             ticker.create_timer(0.1, lambda: 1 / 0)
             world.run(ticker, until=2.0)
 
-
     def test_never_ends(virtual_time):
         with virtual_time():
             rclpy.spin(Ticker())
-
 
     def test_deadlock(virtual_time):
         time.sleep(3.0)
@@ -179,42 +171,48 @@ WRONG = """
         with lock:
             lock.acquire()
 
-
     @pytest.mark.virtual_time(patience=5.0)
     def test_computes_for_ever():
         while True:
             pass
 
-
     def test_dies(virtual_time):
         os._exit(3)
-
 
     def test_too_late(virtual_time):
         with virtual_time() as world:
             world.run(until=1.0)
             world.publish("/in", String(), at=0.5)
 
-
     def test_goes_back(virtual_time):
         with virtual_time() as world:
             world.run(until=1.0)
             world.run(until=0.5)
 
-
     def test_with_drive(virtual_time, drive):
         pass
-
 
     @pytest.mark.virtual_time(limit=-1)
     def test_no_limit():
         pass
 
+    @pytest.mark.virtual_time(limi=5)
+    def test_no_such_limit():
+        pass
+
+    def test_interrupted(virtual_time):
+        raise KeyboardInterrupt
+
+    def test_events(virtual_time):
+        with virtual_time():
+            EventsExecutor()
 
     def test_teardown(virtual_time, request):
         request.addfinalizer(lambda: 1 / 0)
     """
 DAILY = """
+    import subprocess
+    import threading
     import time
 
     import rclpy
@@ -223,12 +221,16 @@ DAILY = """
     from std_msgs.msg import String
     from std_srvs.srv import Trigger
 
-
     def test_waiting_takes_virtual_time(virtual_time):
         with virtual_time() as world:
             time.sleep(50.0)
             assert world.now == 50.0
-
+            ticker = Ticker()
+            ticker.create_timer(0.5, lambda: time.sleep(0.7))  # never done
+            world.run(ticker, until=53.0)
+            assert 53.0 <= world.now < 54.0
+            with subprocess.Popen(["sleep", "0.2"]) as other:  # in real time
+                assert other.wait(timeout=300) == 0
 
     def test_timers_and_subscriptions(virtual_time):
         with virtual_time() as world:
@@ -237,11 +239,12 @@ DAILY = """
             for text in ("now", "now, too"):
                 world.publish("/in", String(data=text))
             world.publish("/in", String(data="later"), at=1.25)
-            world.run(ticker, until=2.0, executor=MultiThreadedExecutor(2))
+            world.run(ticker, until=1.5, executor=MultiThreadedExecutor(2))
+            threading.Thread(target=rclpy.spin, args=(ticker,), daemon=True).start()
+            world.run(until=2.0)
             assert heard.times == [0.5, 1.0, 1.5, 2.0]
             heard = [(round(at, 3), text) for at, text in ticker.heard]
             assert heard == [(0.4, "now"), (0.4, "now, too"), (1.25, "later")]
-
 
     def test_a_node_beside_another_and_a_service(virtual_time):
         with virtual_time() as world:
@@ -254,7 +257,6 @@ DAILY = """
             assert heard == ["1", "2", "3", "4"]
             assert [future.result().message for future in futures] == ["1", "2", "4"]
 
-
     def count(ticker, answer):
         answer.message = str(ticker.count)
         return answer
@@ -264,12 +266,15 @@ SAID = {
     "callback": "ZeroDivisionError",
     "never_ends": "Failed: the test still runs after 60 s of virtual time, its limit",
     "deadlock": "Failed: nothing can happen any more since 3 s: every thread waits",
-    "computes_for_ever": "the test still runs after 5 s of real time",
+    "computes_for_ever": "the test still runs after 5 s of real time: it computes, or waits in",
     "dies": "the test's process ended by itself (exit code 3)",
     "too_late": "ValueError: publish(at=0.5): it is 1 s already",
     "goes_back": "ValueError: run(until=0.5): it is 1 s already",
     "with_drive": "drive has a time of its own: use it without virtual_time",
     "no_limit": "virtual_time: @pytest.mark.virtual_time(limit=-1): expected seconds",
+    "no_such_limit": "got an unexpected keyword argument 'limi'",
+    "interrupted": "pytest ended in the test's own process, but the test did not",
+    "events": "EventsExecutor waits for DDS in native code, where virtual time does not reach",
     "teardown": "ZeroDivisionError",
 }
 
@@ -316,7 +321,7 @@ def test_what_is_wrong_is_said(wrong: Session, name: str) -> None:
 @pytest.mark.long
 def test_what_was_printed_and_the_line_that_waits_are_shown(wrong: Session) -> None:
     assert len(wrong.tests) == len(SAID)
-    assert "counted 4" in wrong.output
+    assert "counted 4" in wrong.output and "UserWarning: worn out" in wrong.output
     assert ">           lock.acquire()" in wrong.tests["test_wrong.test_deadlock"].text
     assert "in test_computes_for_ever" in wrong.tests["test_wrong.test_computes_for_ever"].text
 

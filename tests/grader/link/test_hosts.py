@@ -160,7 +160,7 @@ def test_a_dead_forkserver_is_the_graders_fault(
     assert descriptors() == before
     with fork_server() as young:
         young._process.kill()
-        assert "no host for students' nodes" in faulty(young, echo)
+        assert "no host for nodes" in faulty(young, echo)
 
 
 def test_ros_that_can_not_be_imported_is_the_graders_fault(
@@ -171,7 +171,7 @@ def test_ros_that_can_not_be_imported_is_the_graders_fault(
     broken = RosEnvironment("wheels", (tmp_path,), (), ())
     os.chmod(tmp_path, 0o755)
     with fork_server(broken) as forkserver:
-        assert faulty(forkserver, echo).startswith("no host for students' nodes: ")
+        assert faulty(forkserver, echo).startswith("no host for nodes: ")
 
 
 @pytest.mark.parametrize("used, heard", [([1.0, 2.0], True), ([1.0, 1.0], False)])
