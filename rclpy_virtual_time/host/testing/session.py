@@ -96,11 +96,10 @@ class Inside:
 
     def pytest_warning_recorded(self, warning_message: Any, when: str) -> None:
         """Hand a warning of the test on."""
-        category, text = warning_message.category.__name__, str(warning_message.message)
-        place = warning_message.filename, warning_message.lineno
+        of = warning_message
+        said = {"category": of.category.__name__, "text": str(of.message)}
         if when == "runtest":
-            said = {"category": category, "text": text, "place": place}
-            self._wire.send(Reported(json.dumps(said)))
+            self._wire.send(Reported(json.dumps(said | {"place": (of.filename, of.lineno)})))
 
     def _send(self, report: Any) -> None:
         hook = self._config.hook

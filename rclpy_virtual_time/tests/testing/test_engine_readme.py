@@ -16,7 +16,6 @@ TALKER = """
     from rclpy.node import Node
     from std_msgs.msg import String
 
-
     class Talker(Node):
         def __init__(self):
             super().__init__("talker")

@@ -14,7 +14,6 @@ NODES = """
     from rclpy.node import Node
     from std_msgs.msg import String
 
-
     class Ticker(Node):
         '''Says "1", "2" … on /tick, twice a second, and hears /in.'''
 
@@ -51,7 +50,6 @@ RIGHT = """
     import random
     import threading
     import time
-
     import pytest
     import rclpy
     from nodes import Ticker
@@ -139,7 +137,6 @@ WRONG = """
     import threading
     import time
     import warnings
-
     import pytest
     import rclpy
     from nodes import Ticker
@@ -176,8 +173,7 @@ WRONG = """
         while True:
             pass
 
-    def test_dies(virtual_time):
-        os._exit(3)
+    def test_dies(virtual_time): os._exit(3)
 
     def test_too_late(virtual_time):
         with virtual_time() as world:
@@ -189,26 +185,21 @@ WRONG = """
             world.run(until=1.0)
             world.run(until=0.5)
 
-    def test_with_drive(virtual_time, drive):
-        pass
+    def test_with_drive(virtual_time, drive): pass
 
     @pytest.mark.virtual_time(limit=-1)
-    def test_no_limit():
-        pass
+    def test_no_limit(): pass
 
     @pytest.mark.virtual_time(limi=5)
-    def test_no_such_limit():
-        pass
+    def test_no_such_limit(): pass
 
-    def test_interrupted(virtual_time):
-        raise KeyboardInterrupt
+    def test_interrupted(virtual_time): raise KeyboardInterrupt
 
     def test_events(virtual_time):
         with virtual_time():
             EventsExecutor()
 
-    def test_teardown(virtual_time, request):
-        request.addfinalizer(lambda: 1 / 0)
+    def test_teardown(virtual_time, request): request.addfinalizer(lambda: 1 / 0)
     """
 DAILY = """
     import subprocess
@@ -292,9 +283,7 @@ def test_right_tests_pass_and_repeat(folder: Path, monkeypatch: pytest.MonkeyPat
     first, second = (pytest_in(folder, "test_right.py") for _ in range(2))
     assert first.code == 0, first.output
     others = {name: how for name, how in first.outcomes().items() if how != "passed"}
-    assert others == {
-        "test_right.test_expected_to_fail": "skipped",
-    }
+    assert others == {"test_right.test_expected_to_fail": "skipped"}
     assert len(first.tests) == RIGHT.count("def test_") + 2
     said, again = (
         session.tests["test_right.test_the_same_in_every_run"].properties["said"]
