@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .link.choice import start_launcher
     from .link.doctor import Diagnosis
     from .link.errors import DiskFull, EngineError, NoRos
-    from .link.exchange import Cost, Flood, HostDied, HostForged, HostHung
+    from .link.exchange import Flood, HostDied, HostForged, HostHung
     from .link.foreign import readable
     from .link.hosts import ForkServer
     from .link.launcher import Launcher
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from .link.live_hosts import LiveHosts
     from .link.log import LogLine
     from .link.practice import PracticeServer
+    from .link.programs import run_programs
     from .link.real_clock import real_clock
     from .link.ros_environment import RosEnvironment
     from .link.scratch import fresh_folder, open_regular_file, sweep
@@ -68,7 +69,7 @@ _ROOMS = {
     "link.choice": ("start_launcher",),
     "link.doctor": ("Diagnosis",),
     "link.errors": ("DiskFull", "EngineError", "NoRos"),
-    "link.exchange": ("Cost", "Flood", "HostDied", "HostForged", "HostHung"),
+    "link.exchange": ("Flood", "HostDied", "HostForged", "HostHung"),
     "link.foreign": ("readable",),
     "link.hosts": ("ForkServer",),
     "link.launcher": ("Launcher",),
@@ -76,6 +77,7 @@ _ROOMS = {
     "link.live_hosts": ("LiveHosts",),
     "link.log": ("LogLine",),
     "link.practice": ("PracticeServer",),
+    "link.programs": ("run_programs",),
     "link.real_clock": ("real_clock",),
     "link.ros_environment": ("RosEnvironment",),
     "link.scratch": ("fresh_folder", "open_regular_file", "sweep"),
@@ -85,7 +87,6 @@ _ROOM_OF = {name: room for room, names in _ROOMS.items() for name in names}
 
 __all__ = [
     "Advice",
-    "Cost",
     "Delivery",
     "Diagnosis",
     "Discovery",
@@ -122,6 +123,7 @@ __all__ = [
     "open_regular_file",
     "readable",
     "real_clock",
+    "run_programs",
     "start_launcher",
     "sweep",
 ]

@@ -32,7 +32,6 @@ from grader.trial.hangs import located
 from grader.trial.recorder import MAX_BYTES, Recorder
 from grader.trial.staging import stage
 from rclpy_virtual_time import (
-    Cost,
     Delivery,
     Discovery,
     Ended,
@@ -60,6 +59,7 @@ END_NS, END_LIMIT = 10**9, 2.0  # [ns], [s of CPU time] that programs have after
 SLICE_NS = 997_331_087
 BUSY = 3  # times its limit of wall time that a trial may wait for a CPU in all
 
+Cost = Link.Cost
 Said = Settled | Ended | Slept
 Result = TypeVar("Result")
 # yields what to send and the wall time for the answer [s]; gets the answer and what it cost

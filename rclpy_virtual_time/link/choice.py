@@ -5,13 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from rclpy_virtual_time.link.practice import PracticeServer
+from rclpy_virtual_time.link.settings import EPOCH
 
 if TYPE_CHECKING:
     from rclpy_virtual_time.link.hosts import ForkServer
 
 
 def start_launcher(
-    epoch: int, libraries: tuple[str, ...] = (), *, portable: bool = False, **options: Any
+    epoch: int = EPOCH,
+    libraries: tuple[str, ...] = (),
+    *,
+    portable: bool = False,
+    **options: Any,
 ) -> ForkServer | PracticeServer:
     """Start a launcher.
 

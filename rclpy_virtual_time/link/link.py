@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeAlias, TypeVar
 
 import msgspec
 
@@ -26,6 +26,7 @@ from rclpy_virtual_time.host.frames import (
     decode_to_judge,
     encode,
 )
+from rclpy_virtual_time.link import exchange
 from rclpy_virtual_time.link.exchange import Answer, Cost, HostForged, decoded, status_text
 from rclpy_virtual_time.link.log import LogLine
 from rclpy_virtual_time.link.output import Output
@@ -70,6 +71,8 @@ class Transport(Protocol):
 
 class Link:
     """Frames to and from one host, in turns: it answers each question once."""
+
+    Cost: TypeAlias = exchange.Cost
 
     def __init__(self, host: Transport) -> None:
         self._host = host

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+from rclpy_virtual_time.link.hosts import ROOT
 from rclpy_virtual_time.tests.testing.outside import pytest_in, write
 
 README = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
-(EXAMPLE,) = re.findall(r"(?ms)^```python\n(.*?)^```$", README)
+EXAMPLE, RUNS_PROGRAMS = re.findall(r"(?ms)^```python\n(.*?)^```$", README)
 TALKER = """
     import rclpy
     from rclpy.node import Node
@@ -216,3 +219,16 @@ def test_a_run_of_others_tests(tmp_path: Path) -> None:
     session = pytest_in(tmp_path, "--virtual-time", "-o", "python_classes=Test")
     assert set(session.outcomes().values()) == {"passed"}, session.output
     assert len(session.tests) == OTHERS.count("def test_")
+
+
+def test_programs_as_programs(tmp_path: Path) -> None:
+    main = "    rclpy.init()\n    rclpy.spin(Talker())\n"
+    write(tmp_path / "programs", talker=TALKER + main)
+    done = subprocess.run(
+        [sys.executable, "-c", RUNS_PROGRAMS],
+        cwd=tmp_path, env={"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    said = [line.split(" ")[:3] for line in done.stdout.splitlines()]
+    ends = [[time, topic, "std_msgs/msg/String"] for time in ("0.5", "29.5")
+            for topic in ("/chatter", "/other")]  # fmt: skip
+    assert (len(said), sorted(said[:2] + said[-2:])) == (118, sorted(ends)), done.stderr
