@@ -1,13 +1,8 @@
 """Signals that a node's program sends itself (signals.py); those of several: test_programs.py."""
 
 import pytest
-from node_runs import RunNode
 
-from grader.recording import Recording
-
-
-def said(recording: Recording) -> list[str]:
-    return [line.text for line in recording.log if line.level == "stdout"]
+from rclpy_virtual_time.tests.runs import RunNode, end_of, said
 
 
 @pytest.mark.parametrize("number, end", [("SIGINT", "KeyboardInterrupt"), ("SIGTERM", "none")])
@@ -22,7 +17,7 @@ def test_a_thread_interrupts_its_own_program(run_node: RunNode, number: str, end
         except rclpy.executors.ExternalShutdownException: pass
         print(end, round(time.monotonic() - 1000, 1), rclpy.ok())
     """)
-    assert (recording.outcome.kind, recording.outcome.at) == ("returned", pytest.approx(0.5))
+    assert (end_of(recording), recording.now) == ("returned", pytest.approx(5e8))
     assert said(recording)[0].split()[::2] == [end, "False"]
 
 
@@ -37,4 +32,4 @@ def test_a_signal_ends_a_pause(run_node: RunNode) -> None:
         time.sleep(1.0); print('slept')
     """)
     assert said(recording) == ["handled", "paused", "handled", "slept"]
-    assert recording.outcome.at == pytest.approx(1.5)
+    assert recording.now == pytest.approx(1.5e9)

@@ -1,12 +1,9 @@
 """Subscriptions that come late and ask for what was said before (transient local)."""
 
-from pathlib import Path
+from rclpy.serialization import deserialize_message
+from std_msgs.msg import String
 
-from grader.course.submission import Submission
-from grader.drive import scenario_for
-from grader.trial.virtual_time import run_trial
-from rclpy_virtual_time.link.hosts import ForkServer
-from sim.messages import decode
+from rclpy_virtual_time.tests.runs import RunNode
 
 LATE = """
 import rclpy
@@ -36,18 +33,11 @@ rclpy.spin(node)
 """
 
 
-def test_a_late_subscription_hears_all_of_it_at_once_in_every_run(
-    tmp_path: Path, forkserver: ForkServer
-) -> None:
+def test_a_late_subscription_hears_all_of_it_at_once_in_every_run(run_node: RunNode) -> None:
     """DDS brings a history from a thread of its own, some real time later."""
-    file = tmp_path / "late.py"
-    file.write_text(LATE, "utf-8")
     said = []
     for _ in range(2):
-        recording = run_trial(
-            Submission(file), scenario_for("demo_wall", duration=0.22), forkserver
-        )
-        heard = [m for m in recording.published if m.topic == "/heard"]
-        said.append([(m.time, decode(m.data, m.type).data) for m in heard])
+        heard = [m for m in run_node(LATE, 0.22).published if m.topic == "/heard"]
+        said.append([(m.time, deserialize_message(m.data, String).data) for m in heard])
     right = [(50_000_000 * (k + 1), f"{k} {number}") for k in range(4) for number in range(1, 4)]
     assert said == [right, right]
