@@ -4,15 +4,20 @@ from collections.abc import Callable
 from pathlib import Path
 from textwrap import dedent
 
-import msgspec
 import pytest
-from node_runs import PREAMBLE, RunNode, short
 
-from grader.course.submission import Submission
-from grader.recording import Recording
-from grader.trial.virtual_time import run_trial
-from rclpy_virtual_time.link.hosts import ForkServer
-from sim.scenario import Discovery, Faults, ProgramSpec, Transforms
+from rclpy_virtual_time import Delivery, Discovery, ForkServer, Offer, ProgramStart
+from rclpy_virtual_time.tests.runs import (
+    LIDAR,
+    MS,
+    PREAMBLE,
+    RunNode,
+    end_of,
+    run_beside_lidar,
+    said,
+    scans,
+    twists,
+)  # fmt: skip
 
 HEAD = f"""{PREAMBLE}
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
@@ -29,7 +34,9 @@ def yes(request, response):
 rclpy.init()
 """
 # What takes how long here, exactly [s]; each later end is found late.
-EXACTLY = Discovery(program=(0.1, 0.1), late=1.0, end=(0.004, 0.004), latched=(0.01, 0.01))
+EXACTLY = Discovery((100 * MS, 100 * MS), 1.0, (4 * MS, 4 * MS), (10 * MS, 10 * MS))
+FRAMES = Offer("/tf_static", "tf2_msgs/msg/TFMessage", reliable=True, latched=True)
+ONCE = (0, Delivery("/tf_static", b"\0\1\0\0" + bytes(4)))  # no transforms
 
 Run = Callable[..., list[str]]
 
@@ -39,27 +46,19 @@ def run(runtime: ForkServer, tmp_path: Path) -> Run:
     """Run programs that start at these times; return what they print."""
 
     def run_programs(*sources: str, starts: tuple[float, ...] = (), seconds: float) -> list[str]:
-        names = [f"program_{i}.py" for i in range(len(sources))]
-        for name, source in zip(names, sources, strict=True):
-            (tmp_path / name).write_text(HEAD + dedent(source), "utf-8")
-        times = (*starts, *[0.0] * len(names))
-        specs = tuple(ProgramSpec(n, start=s) for n, s in zip(names, times, strict=False))
-        scenario = msgspec.structs.replace(
-            short(seconds),
-            program=specs,
-            transforms=Transforms(enabled=True),
-            faults=Faults(discovery=EXACTLY),
-        )
-        others = tuple(tmp_path / name for name in names[1:])
-        recording = run_trial(Submission(tmp_path / names[0], others=others), scenario, runtime)
-        assert recording.outcome.completed, recording.outcome
+        programs = []
+        for number, source in enumerate(sources):
+            (tmp_path / f"program_{number}.py").write_text(HEAD + dedent(source), "utf-8")
+            start = round((*starts, *[0.0] * len(sources))[number] * 1e9)
+            programs.append(ProgramStart(f"program_{number}.py", start=start))
+        recording = run_beside_lidar(
+            runtime, tmp_path, *programs, seconds=seconds, discovery=EXACTLY,
+            offers=[LIDAR, FRAMES], deliveries=[ONCE, *scans(round(seconds * 1e9))],
+        )  # fmt: skip
+        assert end_of(recording) == "completed", recording
         return said(recording)
 
     return run_programs
-
-
-def said(recording: Recording) -> list[str]:
-    return [line.text for line in recording.log if line.level == "stdout"]
 
 
 CONSTRUCTOR = f"""
@@ -114,8 +113,8 @@ def test_who_waits_first_is_heard(run_node: RunNode, wait: str) -> None:
         rclpy.spin(node)
     """)
 
-    assert recording.outcome.completed, recording.outcome
-    assert [m.time for m in recording.published][:2] == [0, recording.delivered[0].time]
+    assert end_of(recording) == "completed", recording
+    assert [m.time for m in recording.published][:2] == [0, 13 * MS]
 
 
 def test_of_later_publishers_some_are_found_too_late(run_node: RunNode) -> None:
@@ -128,12 +127,12 @@ def test_of_later_publishers_some_are_found_too_late(run_node: RunNode) -> None:
                 late.publish(Twist())
         rclpy.init(); rclpy.spin(Making())
         """,
-        short(20.0),
+        20.0,
     )
 
-    scans, heard = len(recording.times("/scan")), len(recording.twists().t)
+    heard = len(twists(recording))
     assert set(said(recording)) == {"1"}  # it has found the robot at once
-    assert 0.8 * scans < heard < scans
+    assert 160 < heard < 200  # of as many scans
 
 
 TALKER = """
