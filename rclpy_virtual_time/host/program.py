@@ -95,7 +95,8 @@ def _leave(session: Session, program: ProgramStart, text: str, detail: str = "")
         return False
     name, now = Path(program.file).name, max(0, session.kernel.now)
     session.note(Note("ended", name, program.entry, time=now, more=text))
-    print(detail.partition("\n\n")[2], end="", file=sys.stderr)
+    trace = detail if detail.startswith("Traceback ") else detail.partition("\n\n")[2]
+    print(trace, end="", file=sys.stderr)  # without the advice before it
     session.programs.leave()
     return True
 

@@ -14,6 +14,7 @@ from grader.trial import virtual_time as trial_module
 from grader.trial.virtual_time import Limits, run_trial
 from rclpy_virtual_time.link import pipes
 from sim.messages import TWIST_STAMPED
+from sim.scenario import ProgramSpec
 
 NO_TIME = Limits(total=1e-9)  # [s]
 DRIVER = """
@@ -107,6 +108,37 @@ def test_an_unreadable_file_is_not_run(forkserver: object, tmp_path: Path) -> No
     assert (recording.outcome.kind, recording.outcome.text) == ("unreadable", "the file is empty")
     assert recording.messages == ()
     assert len(recording.twists().t) == len(recording.odometry().t) == len(recording.goals().t) == 0
+
+
+def test_a_missing_file_is_named(forkserver: object, tmp_path: Path) -> None:
+    scenario = replace(short(1.0), program=(ProgramSpec("client.py"),))
+    (tmp_path / "server.py").write_text("")
+    server = Submission(tmp_path / "server.py")
+    outcome = run_trial(server, scenario, forkserver).outcome  # type: ignore[arg-type]
+
+    said = "there is no client.py in the submission, only server.py"
+    assert (outcome.kind, outcome.text) == ("missing", said)
+
+
+ENDS = {
+    "rclpy.init(); os._exit(5)": ("died", "exit code 5", ""),
+    "rclpy.init(); Node('mute'); threading.Event().wait()": ("never_spun", "never spins", ""),
+    """
+    from std_srvs.srv import Trigger
+    class Blocking(Echo):
+        def on_scan(self, scan):
+            self.create_client(Trigger, 'ask').call(Trigger.Request())
+    rclpy.init(); rclpy.spin(Blocking())
+    """: ("stuck", "", "call()"),
+}
+
+
+@pytest.mark.parametrize("source", ENDS)
+def test_each_end_has_a_name(source: str, run_node: RunNode) -> None:
+    """Those that a host doesn't say itself: rclpy_virtual_time/tests/host/test_host_ends.py."""
+    outcome, (kind, text, detail) = run_node(source).outcome, ENDS[source]
+    said = (text in outcome.text, detail in outcome.detail)
+    assert (outcome.kind, *said) == (kind, True, True), outcome
 
 
 # --- the same again ------------------------------------------------------------------------------

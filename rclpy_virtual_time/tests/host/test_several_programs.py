@@ -2,17 +2,14 @@
 
 from pathlib import Path
 
-import msgspec
 import numpy as np
 import pytest
-from node_runs import PREAMBLE, short
 
-from grader.course.submission import Package, Program, Submission
-from grader.launchers import fork_server
-from grader.recording import Recording, ended_of
-from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.host.frames import ProgramStart
 from rclpy_virtual_time.link.hosts import ForkServer
-from sim.scenario import ProgramSpec
+from rclpy_virtual_time.link.programs import ProgramsRun
+from rclpy_virtual_time.link.settings import EPOCH
+from rclpy_virtual_time.tests.runs import PREAMBLE, end_of, run_beside_lidar, said, times, twists
 
 READS = "hypothesis.internal.observability"  # reads a clock when it is imported
 SERVER = """
@@ -52,31 +49,28 @@ if __name__ == '__main__':
 """
 
 
-def client(role: str, **times: float) -> ProgramSpec:
+def client(role: str, **when: int) -> ProgramStart:
     words = ("--ros-args", "-r", f"__node:={role}_client", "-p", f"role:={role}")
-    return ProgramSpec("client.py", arguments=words, **times)
+    return ProgramStart("client.py", words, **when)
 
 
 def run(
-    forkserver: ForkServer, folder: Path, *programs: ProgramSpec, client_source: str = CLIENT
-) -> Recording:
+    forkserver: ForkServer, folder: Path, *programs: str | ProgramStart, client_source: str = CLIENT
+) -> ProgramsRun:
     (folder / "server.py").write_text(PREAMBLE + SERVER)
     (folder / "client.py").write_text(PREAMBLE + client_source)
-    scenario = msgspec.structs.replace(short(3.0), program=programs)
-    submission = Submission(folder / "server.py", others=(folder / "client.py",))
-    return run_trial(submission, scenario, forkserver)
+    return run_beside_lidar(forkserver, folder, *programs, seconds=3.0)
 
 
 def test_clients_have_their_own_names_and_parameters(
     forkserver: ForkServer, tmp_path: Path
 ) -> None:
-    server = ProgramSpec("server.py")
-    recording = run(forkserver, tmp_path, server, client("left"), client("right"))
+    recording = run(forkserver, tmp_path, "server.py", client("left"), client("right"))
 
-    assert recording.outcome.completed, recording.outcome
+    assert end_of(recording) == "completed", recording
     assert {e.node for e in recording.endpoints} == {"/server", "/left_client", "/right_client"}
     for role in ("left", "right"):
-        np.testing.assert_allclose(recording.times(f"/{role}/answer"), np.arange(1, 30) / 10)
+        np.testing.assert_allclose(times(recording, f"/{role}/answer"), np.arange(1, 30) / 10)
 
 
 def test_what_imports_read_of_clocks_is_not_the_programs(
@@ -86,24 +80,25 @@ def test_what_imports_read_of_clocks_is_not_the_programs(
                                        "        super().__init__('server')")  # fmt: skip
     for name in ("server.py", "client.py"):
         (tmp_path / name).write_text(source)
-    scenario = msgspec.structs.replace(
-        short(0.5), program=(ProgramSpec("server.py"), ProgramSpec("client.py"))
-    )
-    submission = Submission(tmp_path / "server.py", others=(tmp_path / "client.py",))
-    with fork_server(libraries=(READS,)) as other:
-        runs = [run_trial(submission, scenario, each) for each in (forkserver, other)]
+    both = "server.py", "client.py"
+    with ForkServer(EPOCH, libraries=(READS,)) as other:
+        runs = [
+            run_beside_lidar(each, tmp_path, *both, seconds=0.5) for each in (forkserver, other)
+        ]
     first, second = ([line.text for line in each.log] for each in runs)
     assert len(first) == 2
     assert first == second
 
 
 def test_a_server_can_be_killed_and_come_back(forkserver: ForkServer, tmp_path: Path) -> None:
-    first, second = ProgramSpec("server.py", stop=0.95), ProgramSpec("server.py", start=2.05)
+    first, second = (
+        ProgramStart("server.py", stop=950_000_000), ProgramStart("server.py", start=2_050_000_000)
+    )  # fmt: skip
     recording = run(forkserver, tmp_path, client("left"), first, second)
 
-    assert recording.outcome.completed, recording.outcome
-    times = recording.times("/left/answer")
-    np.testing.assert_allclose(times, [*np.arange(1, 10) / 10, *np.arange(22, 30) / 10])
+    assert end_of(recording) == "completed", recording
+    answered = times(recording, "/left/answer")
+    np.testing.assert_allclose(answered, [*np.arange(1, 10) / 10, *np.arange(22, 30) / 10])
 
 
 def test_a_killed_program_leaves_the_others_their_topics(
@@ -111,62 +106,55 @@ def test_a_killed_program_leaves_the_others_their_topics(
 ) -> None:
     """The bridge's node is made by whoever comes first, and must not die with it."""
     recording = run(
-        forkserver, tmp_path, client("left", stop=0.95), ProgramSpec("server.py"), client("right")
+        forkserver, tmp_path, client("left", stop=950_000_000), "server.py", client("right")
     )
 
-    assert recording.outcome.completed, recording.outcome
-    assert recording.times("/left/answer")[-1] < 0.95
-    np.testing.assert_allclose(recording.times("/right/answer"), np.arange(1, 30) / 10)
-
-
-def test_a_missing_file_is_named(forkserver: ForkServer, tmp_path: Path) -> None:
-    scenario = msgspec.structs.replace(short(1.0), program=(client("left"),))
-    (tmp_path / "server.py").write_text(PREAMBLE + SERVER)
-    recording = run_trial(Submission(tmp_path / "server.py"), scenario, forkserver)
-
-    assert recording.outcome.kind == "missing"
-    assert recording.outcome.text == "there is no client.py in the submission, only server.py"
+    assert end_of(recording) == "completed", recording
+    assert times(recording, "/left/answer")[-1] < 0.95
+    np.testing.assert_allclose(times(recording, "/right/answer"), np.arange(1, 30) / 10)
 
 
 def test_several_programs_are_as_deterministic_as_one(
     forkserver: ForkServer, tmp_path: Path
 ) -> None:
-    programs = (ProgramSpec("server.py", stop=1.5), client("left"), client("right", start=0.4))
+    programs = (
+        ProgramStart("server.py", stop=1_500_000_000), client("left"),
+        client("right", start=400_000_000),
+    )  # fmt: skip
 
-    assert len({run(forkserver, tmp_path, *programs).digest() for _ in range(2)}) == 1
+    first, second = (run(forkserver, tmp_path, *programs) for _ in range(2))
+    assert first == second
 
 
 def test_a_program_that_ends_by_itself_ends_the_trial(
     forkserver: ForkServer, tmp_path: Path
 ) -> None:
     crash = CLIENT.replace("if self.client.service_is_ready():", "if 1 / 0:")
-    recording = run(
-        forkserver, tmp_path, ProgramSpec("server.py"), client("a"), client_source=crash
-    )
+    recording = run(forkserver, tmp_path, "server.py", client("a"), client_source=crash)
 
-    assert recording.outcome.kind == "exception"
-    assert recording.outcome.text.startswith("client.py: ZeroDivisionError")
+    assert end_of(recording) == "exception"
+    assert recording.ended.text.startswith("client.py: ZeroDivisionError")
 
 
 SPARE = "{what}\nclass Spare(Node): pass\nrclpy.init()\nSpare('spare')\n{how}\n"
 ENDS = {
-    "returns": ("", "", "spare.py ended at 0.0 s: the program ran to its end;"),
-    "raises": ("", "time.sleep(0.5)\n1 / 0", "spare.py ended at 0.5 s: ZeroDivisionError: div"),
-    "kills itself": ("", "os.kill(os.getpid(), 15)", "spare.py ended at 0.0 s: its process ended"),
-    "cannot be read": ("def (:", "", "spare.py ended at 0.0 s: SyntaxError"),
+    "returns": ("", "", 0.0, "the program ran to its end"),
+    "raises": ("", "time.sleep(0.5)\n1 / 0", 0.5, "ZeroDivisionError: div"),
+    "kills itself": ("", "os.kill(os.getpid(), 15)", 0.0, "its process ended"),
+    "cannot be read": ("def (:", "", 0.0, "SyntaxError"),
     "shuts down": (
         "",
         "rclpy.get_default_context().on_shutdown(lambda: print('hi'))\ntime.sleep(0.3)\n"
         "rclpy.try_shutdown()\nrclpy.init()\nrclpy.shutdown()\n"
         "print('ok' if rclpy.get_default_context().ok() else 'bye')",
-        "spare.py ended at 0.3 s",
+        0.3, "",
     ),
     "leaves its threads": (
         "import atexit, concurrent.futures as futures",
         "atexit.register(print, 'bye')\n"
         "pool = futures.ThreadPoolExecutor()\npool.submit(print, 'hi').result()\n"
         "threading.Thread(target=time.sleep, args=(100,), daemon=True).start()",
-        "spare.py ended at 0.0 s",
+        0.0, "",
     ),
 }  # fmt: skip
 STAYS = """
@@ -188,35 +176,34 @@ while rclpy.ok():
 """
 
 
-def launched(folder: Path, **sources: str) -> Submission:
-    """Return a package whose programs start together, as a launch file has them."""
+def launched(forkserver: ForkServer, folder: Path, **sources: str) -> ProgramsRun:
+    """Run programs that start together, as a launch file has them."""
     for name, source in sources.items():
         (folder / f"{name}.py").write_text(PREAMBLE + source)
-    files = {f"{name}.py": folder / f"{name}.py" for name in sources}
-    package = Package(programs=tuple(map(Program, files)))
-    return Submission(next(iter(files.values())), beside=files, package=package)
+    programs = [ProgramStart(f"{name}.py", spared=True) for name in sources]
+    return run_beside_lidar(forkserver, folder, *programs, seconds=1.0)
 
 
 @pytest.mark.parametrize("name", ENDS)
 def test_one_of_several_that_ends_leaves_the_others_alone(
     name: str, runtime: ForkServer, tmp_path: Path
 ) -> None:
-    what, how, said = ENDS[name]
-    submission = launched(tmp_path, stays=STAYS, spare=SPARE.format(what=what, how=how))
-    recording = run_trial(submission, short(1.0), runtime)
+    what, how, when, why = ENDS[name]
+    spare = SPARE.format(what=what, how=how)
+    recording = launched(runtime, tmp_path, stays=STAYS, spare=spare)
 
-    assert recording.outcome.completed, recording.outcome
-    (note,) = ended_of(recording)
-    assert note.startswith(said), note
-    assert len(recording.twists().t) == 10
-    words = [line.text for line in recording.log if line.level == "stdout"]
+    assert end_of(recording) == "completed", recording
+    (note,) = (note for note in recording.notes.values() if note.kind == "ended")
+    assert (note.about, note.time / 1e9) == ("spare.py", pytest.approx(when, abs=0.05))
+    assert note.more.startswith(why), note
+    assert len(twists(recording)) == 10
+    words = said(recording)
     assert words[-1] == "['echo', 'mock_robot'] 1"
     assert words[:-1] == (["hi", "bye"] if "bye" in how else [])
     assert ("1 / 0" in how) == any(line.text.startswith("ZeroDiv") for line in recording.log)
 
 
 def test_the_last_of_several_ends_the_trial(forkserver: ForkServer, tmp_path: Path) -> None:
-    submission = launched(tmp_path, one="time.sleep(0.5)", two="")
-    recording = run_trial(submission, short(1.0), forkserver)
-    assert (recording.outcome.kind, recording.outcome.at) == ("returned", 0.5)
-    assert recording.outcome.text.startswith("one.py: ")
+    recording = launched(forkserver, tmp_path, one="time.sleep(0.5)", two="")
+    assert (end_of(recording), recording.now) == ("returned", 500_000_000)
+    assert recording.ended.text.startswith("one.py: ")
