@@ -121,7 +121,7 @@ def spell_allowed(allowed: Allowed, unit: str = "") -> str:
     if isinstance(allowed, frozenset):
         return " or ".join(f"“{word}”" for word in sorted(allowed))
     spelled = ((spell(low), spell(high)) for low, high in sorted(allowed))
-    spans = (low if low == high else f"{low} to {high}" for low, high in spelled)
+    spans = dict.fromkeys(low if low == high else f"{low} to {high}" for low, high in spelled)
     return " or ".join(f"{span}{unit}" for span in spans)
 
 
