@@ -17,10 +17,12 @@ class Question(msgspec.Struct, array_like=True, frozen=True):
     """A question to a model that the judge keeps, or from a program of the grader's."""
 
     method: Annotated[
-        str, msgspec.Meta(pattern="^(load|predict|predict_proba|request|turn|answer)$")
+        str, msgspec.Meta(pattern="^(load|predict|predict_proba|request|turn|answer|until)$")
     ]
     file: Name  # of the model, or the service
-    load: Nanoseconds = 0  # which load of it answers; 0 while it is loaded; of answers: which turn
+    load: Nanoseconds = (
+        0  # which load of it answers; 0 while it is loaded; of answers: which turn; when
+    )
     rows: Annotated[int, msgspec.Meta(ge=0, le=MAX_ROWS)] = 0  # of answers: 1 with success
     features: bytes = b""  # (rows, columns) float64; of answers: the message
 
@@ -35,6 +37,11 @@ class Told(msgspec.Struct, array_like=True, frozen=True):
     numbers: bytes = b""  # float64
     dtype: str = "float64"  # of what the model says
     labels: tuple[str, ...] = ()
+
+
+def wait_until(at: float) -> None:
+    """Wait for a time [s] of the trial, whenever the program itself began."""
+    ask(Question("until", "", round(at * 1e9)))
 
 
 def ask(question: Question) -> Told:

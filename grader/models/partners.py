@@ -20,7 +20,7 @@ from sim.scenario import ProgramSpec, Scenario
 
 SERVICE = "/detect"  # where a question to a model has the model's file
 DOUBLE, ASKER = "detection_double.py", "detection_asker.py"
-REQUEST, TURN, ANSWER = "request", "turn", "answer"
+REQUEST, TURN, ANSWER, UNTIL = "request", "turn", "answer", "until"
 NEVER = 2**61  # [ns] after the end of every scenario
 REFUSED, UNSURE = "refused", "unsure"  # answers without success
 WELL_FORMED = ("fine", "same")

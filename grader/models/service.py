@@ -20,7 +20,7 @@ from grader.hosted.questions import Question, Told
 from grader.hosted.supplied.kept import WRONG_SHAPE
 from grader.models.arrived import Arrived
 from grader.models.files import is_kept, probe
-from grader.models.partners import SERVICE, TURN, Partners
+from grader.models.partners import SERVICE, TURN, UNTIL, Partners
 from grader.recording.inferences import Inference
 from rclpy_virtual_time import HostForged, Settled
 from rclpy_virtual_time import Question as Asked
@@ -90,7 +90,7 @@ class ModelService:
             It is no question.
         """
         question = _question(asked)
-        if question.method == TURN and self.began is None:
+        if question.method in (TURN, UNTIL) and self.began is None:
             if len(self._early) == Settled.MAX_QUESTIONS:
                 raise TooManyQuestions(
                     f"more than {Settled.MAX_QUESTIONS} programs that wait to ask"
@@ -147,6 +147,8 @@ class ModelService:
             raise TooManyQuestions(f"more than {MAX_ASKED:,} questions to its models")
         if self._rows > MOST_ROWS:
             raise TooManyQuestions(f"more than {MOST_ROWS:,} rows of features for its models")
+        if question.method == UNTIL:
+            return Told(), max(0, (self.began or 0) + question.load - max(now, 0))
         if question.file == SERVICE:
             began = now + 1 if self.began is None else self.began
             told, took, notes = self._partners.ask(question, now, began)

@@ -94,7 +94,7 @@ def _programs(
     programs: list[ProgramStart] = []
     for spec in scenario.program or (ProgramSpec(),):
         group = [Program(spec.file)] if spec.supplied else submission.started(spec.file)
-        asked = (*own, *spec.arguments, *(() if spec.supplied else arguments))
+        asked = spec.arguments if spec.supplied else (*own, *spec.arguments, *arguments)
         programs += [
             ProgramStart(
                 file=str(folder / program.file),

@@ -1,24 +1,26 @@
 """Sets a node's parameters while it runs, as `ros2 param set` does, and tells what it answered.
 
-Arguments: the node's full name, then orders: `1.06 speed:=0.2` at 1.06 s; several assignments are
-set together, all or none; `0.5 speed? range?` asks for the descriptors. `grader.checks.parameters`
-reads what is published.
+Arguments: the node's full name, then orders: `1.06 speed:=0.2` at 1.06 s; `near:=1.0 far:=2.0` are
+set together, all or none, `near:=1.0, far:=2.0` in one request, each by itself; `0.5 speed? range?`
+asks for the descriptors. `grader.checks.parameters` reads what is published.
 """
 
 import json
 import sys
 import threading
-import time
 from typing import Any
 
 import rclpy
 from rcl_interfaces.msg import Parameter as ParameterMsg
+from rcl_interfaces.msg import ParameterType
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import get_parameter_value
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
 from std_msgs.msg import String
+
+from grader.hosted.questions import wait_until
 
 
 class ParameterSetter(Node):  # type: ignore[misc]
@@ -32,43 +34,51 @@ class ParameterSetter(Node):  # type: ignore[misc]
 
     def carry_out(self, orders: list[str]) -> None:
         """Give each order at its time."""
-        begin = time.monotonic()
-        for number, order in enumerate(orders):
+        number = 0
+        for order in orders:
             at, text = order.split(maxsplit=1)
-            time.sleep(max(0.0, begin + float(at) - time.monotonic()))
+            wait_until(float(at))
             self.ask(text).add_done_callback(
                 lambda done, number=number, text=text: self.tell(number, text, done.result())
             )
+            number += len(text.split(", "))
 
     def ask(self, text: str) -> Future:
         """Ask the node; its answer is to come."""
-        words = text.split()
+        words = text.replace(", ", " ").split()
         if text.endswith("?"):
             return self.client.describe_parameters([word[:-1] for word in words])
         pairs = [word.split(":=") for word in words]
         wanted = [ParameterMsg(name=name, value=get_parameter_value(v)) for name, v in pairs]
-        client = self.client
-        return (client.set_parameters if len(wanted) == 1 else client.set_parameters_atomically)(
-            wanted
-        )
+        if len(text.split(", ")) == len(wanted):
+            return self.client.set_parameters(wanted)
+        return self.client.set_parameters_atomically(wanted)
 
     def tell(self, number: int, text: str, answer: Any) -> None:
-        """Log and publish the node's answer."""
+        """Log and publish the node's answer: of several values set each by itself, each answer."""
         if hasattr(answer, "descriptors"):
-            said = {"described": [_described(each) for each in answer.descriptors]}
-        else:
-            result = answer.result if hasattr(answer, "result") else answer.results[0]
-            said = {"accepted": result.successful, "reason": result.reason}
+            described = [_described(each) for each in answer.descriptors]
+            self.publish({"order": number, "described": described})
+            return
+        results = [answer.result] if hasattr(answer, "result") else answer.results
+        for i, (part, result) in enumerate(zip(text.split(", "), results, strict=False)):
             word = "accepted" if result.successful else "refused"
-            self.get_logger().info(f"{text}: {word} {result.reason}".rstrip())
-        self.answers.publish(String(data=json.dumps({"order": number, **said})))
+            self.get_logger().info(f"{part}: {word} {result.reason}".rstrip())
+            said = {"accepted": result.successful, "reason": result.reason}
+            self.publish({"order": number + i, **said})
+
+    def publish(self, said: dict[str, Any]) -> None:
+        """Publish a word of the node's."""
+        self.answers.publish(String(data=json.dumps(said)))
 
 
 def _described(descriptor: Any) -> dict[str, Any]:
-    spans = [*descriptor.floating_point_range, *descriptor.integer_range]
-    limits = [float(end) for span in spans for end in (span.from_value, span.to_value)]
+    double = descriptor.type == ParameterType.PARAMETER_DOUBLE
+    ranges = descriptor.floating_point_range, descriptor.integer_range
+    counts, other = ranges if double else ranges[::-1]  # a range of another type is ignored
+    limits = [float(end) for span in counts for end in (span.from_value, span.to_value)]
     about = {"name": descriptor.name, "type": descriptor.type, "limits": limits}
-    return about | {"description": descriptor.description}
+    return about | {"description": descriptor.description, "ignored": bool(other)}
 
 
 def main() -> None:

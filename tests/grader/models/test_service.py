@@ -85,6 +85,18 @@ def test_an_answer_is_due_when_the_models_time_is_over() -> None:
     assert (call.asked, call.answered, call.said) == (13 * MS, 213 * MS, (0.08,))
 
 
+def test_a_program_waits_for_a_time_of_the_trial_whenever_it_began() -> None:
+    until = sent(Question("until", "", 460 * MS))
+    assert service().at_once(until).wait == 460 * MS
+    live = ModelService(LEADER, LEADER.seed, began=None)
+    live.ask(until, 5_000 * MS)  # before the trial begins
+    assert live.next_due is None
+    live.begin(7_000 * MS)
+    assert live.next_due == 7_460 * MS
+    live.ask(until, 7_900 * MS)  # its time is over
+    assert [heard(told) for _, told in live.due(7_900 * MS)] == [Told(), Told()]
+
+
 def test_before_the_scenario_answers_say_what_the_model_takes() -> None:
     models = service()
     models.at_once(question("load"))
