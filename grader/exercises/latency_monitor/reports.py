@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
 from grader.checks.case import Allowed, Case, Runs, Said
@@ -34,14 +35,31 @@ def cases(recording: Recording) -> Sequence[Case]:
     """Return the occasions: the form of each message, and each value of a status of the name.
 
     A message has the tag `form`; a value its key, or `level`, and before the first call `empty`.
+    Reports that never come lack all their values.
     """
-    found = []
-    for t, array in published(recording, TOPIC, DIAGNOSTICS)[:MOST]:
+    found, told = [], published(recording, TOPIC, DIAGNOSTICS)[:MOST]
+    for t, array in told:
         found.append(form(t, array.status))
         for status in array.status:
             if status.name == NAME:
                 found += _values(recording, t, status)
+    for t in _missing(recording, [t for t, _ in told]):
+        found += _values(recording, t, None)
     return found
+
+
+def _missing(recording: Recording, told: Sequence[float]) -> Iterator[float]:
+    """Yield the second and each later moment [s] of a silence at which a report was due.
+
+    A single late one is the rate's matter; while predict runs for seconds, no report is due.
+    """
+    longest = max((call.took / 1e9 for call in recording.inferences), default=0.0)
+    patience = PERIOD_TOLERANCE + recording.slack + (longest if longest > PERIOD else 0.0)
+    for begin, end in pairwise([0.0, *told, recording.duration_s]):
+        t = begin + 2 * PERIOD
+        while t + patience < end:
+            yield t
+            t += PERIOD
 
 
 def form(t: float, statuses: Sequence[Any]) -> Case:
@@ -58,20 +76,22 @@ def form(t: float, statuses: Sequence[Any]) -> Case:
     )
 
 
-def _values(recording: Recording, t: float, status: Any) -> Iterator[Case]:
-    choices, level = right_numbers(recording, t), int(status.level)
+def _values(recording: Recording, t: float, status: Any | None) -> Iterator[Case]:
+    choices = right_numbers(recording, t)
     right: dict[str, Allowed] = {
         key: tuple({(least[key], most[key]) for least, most in choices}) for key in KEYS
     }
     spans = [range(int(least["level"]), int(most["level"]) + 1) for least, most in choices]
     right["level"] = frozenset(LEVELS[i] for span in spans for i in span)
-    said = {value.key: _number(value.value) for value in status.values}
-    said["level"] = LEVELS[level] if level in range(len(LEVELS)) else f"{level}, no level"
+    said = {value.key: _number(value.value) for value in status.values} if status else {}
+    if status:
+        level = int(status.level)
+        said["level"] = LEVELS[level] if level in range(len(LEVELS)) else f"{level}, no level"
     what = f"the report at {t:.2f} s, on {choices[-1][0]['count']:.0f} calls"
     counted = {least["count"] > 0 for least, _ in choices}
     for key, allowed in right.items():
         tags = {key} if counted == {True} else {"empty"} if counted == {False} else set[str]()
-        yield Case(t, what, frozenset(tags), {key: allowed}, said)
+        yield Case(t, what, frozenset(tags), {key: allowed}, said, int(status is not None))
 
 
 def _number(text: str) -> Said:
