@@ -55,7 +55,7 @@ class LiveParametersAgent(Node):
         # TODO(task 1): a subscription to LaserScan on /scan that calls self.scan_callback.
 
     def check(self, parameters: list[Parameter]) -> SetParametersResult:
-        """Say whether these may be set, all or none; change nothing."""
+        """Say whether these may all be set, together; change nothing."""
         # TODO(task 5): refuse, with a reason, a slow_distance below the stop_distance.
         return SetParametersResult(successful=True)
 

@@ -23,6 +23,7 @@ class Described(msgspec.Struct, frozen=True):
     type: int  # of rcl_interfaces/msg/ParameterType; 3 is a double
     limits: tuple[float, ...]  # the least and the greatest value; () for any
     description: str
+    ignored: bool = False  # it also has a range of another type, which says nothing
 
 
 class Answer(msgspec.Struct, frozen=True):
@@ -57,19 +58,20 @@ def orders(recording: Recording) -> list[Order]:
             answers.setdefault(answer.order, answer)
             heard.setdefault(answer.order, t)
     given = [
-        order.split(maxsplit=1)
+        (float(at), f"{part} (of {text})" if part != text else text, _wanted(part))
         for program in recording.scenario.program
         if program.file == SETTER
-        for order in program.arguments[1:]
+        for at, text in (order.split(maxsplit=1) for order in program.arguments[1:])
+        for part in text.split(", ")
     ]
     return [
         Order(
-            float(at) if recording.live is None else heard.get(number, float(at)),
+            at if recording.live is None else heard.get(number, at),
             text,
-            _wanted(text),
+            wanted,
             answers.get(number),
         )
-        for number, (at, text) in enumerate(given)
+        for number, (at, text, wanted) in enumerate(given)
     ]
 
 
@@ -79,7 +81,8 @@ def _wanted(text: str) -> dict[str, float | str]:
 
 
 def _value(text: str) -> float | str:
+    """Return a double's value; of other types the text, as "2" of an int."""
     try:
-        return float(text.replace(".nan", "nan"))
+        return text if text.lstrip("-").isdigit() else float(text.replace(".nan", "nan"))
     except ValueError:
         return text

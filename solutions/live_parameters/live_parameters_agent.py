@@ -73,7 +73,7 @@ class LiveParametersAgent(Node):
         ### END SOLUTION
 
     def check(self, parameters: list[Parameter]) -> SetParametersResult:
-        """Say whether these may be set, all or none; change nothing."""
+        """Say whether these may all be set, together; change nothing."""
         ### BEGIN SOLUTION
         declared = [name for name in PARAMETERS if self.has_parameter(name)]
         wanted = {name: self.get_parameter(name).value for name in declared}

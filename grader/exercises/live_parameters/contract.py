@@ -4,48 +4,82 @@ scan        a scan: the speed that it and the parameters of that moment ask for
 describe    what the node says of a parameter: its type, range and meaning
 accept      somebody sets what may be set
 refuse      somebody sets what may not: the answer is no, with a reason
+set         an order by `set_parameters`, which decides on each value by itself
+atomically  an order by `set_parameters_atomically`: all or none
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import product
 
 from grader.checks.ahead import HAIR, front_distances
 from grader.checks.case import Allowed, Case, Interval, Runs, answered, exactly
 from grader.checks.commands import answers
 from grader.checks.contract import Contract, free_from
 from grader.checks.parameters import Order, orders
-from grader.checks.verbs import follows
+from grader.checks.verbs import TOLERANCE, require_allowed
+from grader.checks.wiring import require_alive
 from grader.recording import Recording, Scan
+from sim.messages import CMD_VEL_TOPIC
 
-Settings = dict[str, float | str]
+Settings = dict[str, str | bool | int | float]
 RANGES = {"cruise_speed": (0.0, 0.5), "stop_distance": (0.3, 2.0), "slow_distance": (0.3, 4.0)}
 DEFAULTS: Settings = {"cruise_speed": 0.3, "stop_distance": 0.5, "slow_distance": 1.0}
-NEAREST = 0.3  # [m] nearer than this it stands, whatever the parameters say
 DOUBLE = 3  # of rcl_interfaces/msg/ParameterType
 FREE = free_from(0.55)
 CONTRACT = Contract(
     free=FREE,
 )
-UNSAFE = "Is every value of the command line checked, and the command kept within its limits?"
+SET = "/live_parameters_agent/set_parameters"
+UNSAFE = (
+    "Is every value of the command line checked, its type, its range, and whether the two distances"
+    " fit? The node may end, or go on with values that may be set."
+)
 
 
 def may_be(settings: Settings) -> bool:
     """Return whether these values may be set, together."""
     values = [settings[name] for name in RANGES]
-    if any(isinstance(value, str) for value in values):
+    if not all(isinstance(value, float) for value in values):
         return False
     inside = all(low <= float(settings[name]) <= high for name, (low, high) in RANGES.items())
     return inside and float(settings["stop_distance"]) <= float(settings["slow_distance"])
 
 
 def cases(recording: Recording) -> list[Case]:
-    """Return the occasions of orders, and of scans."""
-    return list(_cases(recording))
+    """Return the occasions of orders, and of scans, in order.
+
+    After a start with values that may not be set it may go on with any that may: these are the
+    values by which most of its answers are right.
+    """
+    ways = (list(_cases(recording, start)) for start in _starts(recording.scenario.node.parameters))
+    best = max(ways, key=_right_until)
+    return sorted(best, key=lambda case: case.at)
 
 
-def _cases(recording: Recording) -> Iterator[Case]:
-    settings = DEFAULTS | recording.scenario.node.parameters
+def _right_until(found: Sequence[Case]) -> float:
+    return min((case.at for case in found if case.wrong(TOLERANCE)), default=math.inf)
+
+
+def _starts(given: Settings) -> Iterator[Settings]:
+    """Yield the values with which a node may begin to drive that was started with these."""
+    if may_be(DEFAULTS | given):
+        yield DEFAULTS | given
+        return
+    near = [v for n, v in (*DEFAULTS.items(), *given.items()) if n != "cruise_speed"]
+    for cruise, *distances in product(
+        (DEFAULTS["cruise_speed"], given.get("cruise_speed", 0.0), *RANGES["cruise_speed"]),
+        *((DEFAULTS[n], *near, *RANGES[n]) for n in ("stop_distance", "slow_distance")),
+    ):
+        settings = dict(zip(RANGES, (cruise, *distances), strict=True))
+        if may_be(settings):
+            yield settings
+
+
+def _cases(recording: Recording, settings: Settings) -> Iterator[Case]:
     changes = [(0.0, settings)]
     for order in orders(recording):
         wanted: Settings = settings | dict(order.wanted)
@@ -63,10 +97,8 @@ def _cases(recording: Recording) -> Iterator[Case]:
 
 
 def right_speeds(scan: Scan, settings: Settings) -> tuple[Interval, ...]:
-    """Return what is right [m/s] for a scan; of settings that nobody may make, whatever is safe."""
+    """Return what is right [m/s] for a scan, by settings that may be made."""
     seen = [d for distance in front_distances(scan) for d in _about(distance, settings)]
-    if not may_be(settings):
-        return ((0.0, 0.0 if min(seen) < NEAREST else CONTRACT.limits.fastest),)
     cruise, stop, slow = (float(settings[name]) for name in RANGES)
     return exactly(*(0.0 if d < stop else cruise / 2 if d < slow else cruise for d in seen))
 
@@ -88,8 +120,8 @@ def _asked(order: Order, right: bool) -> Case:
     if answer is not None:
         said = {"answer": "yes" if answer.accepted else "no"}
         said["reason"] = "given" if answer.reason.strip() else "none"
-    tag = "accept" if right else "refuse"
-    return Case(order.at, order.text, frozenset({tag}), allowed, said, len(said))
+    tags = {"accept" if right else "refuse", "atomically" if len(order.wanted) > 1 else "set"}
+    return Case(order.at, order.text, frozenset(tags), allowed, said, len(said))
 
 
 def _described(order: Order) -> Iterator[Case]:
@@ -112,7 +144,13 @@ def _described(order: Order) -> Iterator[Case]:
 
 
 def starts_safely(runs: Runs) -> None:
-    """Fail unless a node that was started with wrong values ends unheard, or drives safely."""
+    """Fail unless a node that was started with wrong values ends unheard, or drives by others."""
     for recording in runs:
-        if recording.outcome.completed or len(recording.twists().t):
-            follows(runs.of([recording]), "scan", help=UNSAFE)
+        if not recording.outcome.completed and not len(recording.twists().t):
+            continue
+        require_alive(recording)
+        given = ", ".join(f"{n}:={v}" for n, v in recording.scenario.node.parameters.items())
+        for _, case in runs.of([recording]).cases():
+            what = f"started with {given}, and then {case.what.split(', with ')[0]}"
+            topic = CMD_VEL_TOPIC if "scan" in case.tags else SET
+            require_allowed(recording, replace(case, what=what), UNSAFE, topic=topic)

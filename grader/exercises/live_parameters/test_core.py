@@ -5,11 +5,13 @@ from __future__ import annotations
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
 from grader.checks.verbs import answers_once, follows, keeps_distance, wired, within
-from grader.exercises.live_parameters.contract import CONTRACT, starts_safely
+from grader.exercises.live_parameters.contract import CONTRACT, SET, starts_safely
 
-STARTS = ("live_start_fast", "live_start_near")
-NODE = "/live_parameters_agent"
-SET = f"{NODE}/set_parameters"
+WRONG = (
+    "fast", "near", "whole", "true", "list", "text", "nan", "never", "inf", "pair", "half_a_pair"
+)  # fmt: skip
+STARTS = tuple(f"live_start_{what}" for what in WRONG)
+NODE = SET.rpartition("/")[0]
 
 
 @check(points=5, asks=WIRING, task=1, scenarios=("live_defaults",), needs=())
@@ -27,9 +29,10 @@ def test_declared(runs: Runs) -> None:
 
 @check(points=10, asks=DECISION, task=3, scenarios=("live_defaults",), hint="3.1")
 def test_defaults(runs: Runs) -> None:
-    """With the defaults: 0.3 m/s, 0.15 m/s below 1.0 m, 0 below 0.5 m; one Twist for each scan."""
+    """With the defaults: 0.3 m/s, 0.15 m/s below 1.0 m, 0 below 0.5 m and blind; once a scan."""
     answers_once(runs)
-    follows(runs, "scan", help="The distances themselves, 0.5 m and 1.0 m, are not nearer.")
+    help = "0.5 m and 1.0 m themselves are not nearer; nothing usable ahead: 0.0, at any speed."
+    follows(runs, "scan", help=help)
 
 
 @check(points=10, asks=DECISION, task=3, scenarios=("live_started",), hint="3.1")
@@ -47,8 +50,9 @@ def test_takes_effect(runs: Runs) -> None:
 
 @check(points=15, asks=SAFETY, task=5, scenarios=("live_refused",), hint="5.1")
 def test_refused(runs: Runs) -> None:
-    """What is out of range is refused, with a reason, and changes nothing."""
-    follows(runs, "refuse", "accept", topic=SET, help="NaN is in no range, and compares as False.")
+    """What is out of range or no double is refused, with a reason, and changes nothing."""
+    help = "NaN is in no range, and compares as False; 2 is an integer, and no double."
+    follows(runs, "refuse", "accept", topic=SET, help=help)
     follows(runs, "scan", help="It said no: so the old value still counts.")
 
 
@@ -57,18 +61,20 @@ def test_pairs(runs: Runs) -> None:
     """A slow_distance below the stop_distance is refused, whichever of them is set."""
     help = "Compare what the two would be afterwards: the new value if there is one, or the old."
     follows(runs, "refuse", "accept", topic=SET, help=help)
+    follows(runs, "scan", help="It said no: so both old values still count.")
 
 
 @check(points=10, asks=STATE, task=5, scenarios=("live_together",), hint="5.3")
 def test_all_or_none(runs: Runs) -> None:
-    """Of values that are set together all count, or none."""
-    follows(runs, "refuse", "accept", topic=f"{SET}_atomically", help="One no is a no to all.")
+    """By set_parameters_atomically all values count, or none; by set_parameters each by itself."""
+    follows(runs, "atomically", topic=f"{SET}_atomically", help="One no is a no to all.")
+    follows(runs, "set", topic=SET, help="set_parameters asks about each value by itself.")
     follows(runs, "scan", help="A check that also changes the node does so before others say no.")
 
 
 @check(points=15, asks=SAFETY, task=6, scenarios=(*STARTS, "live_wall"), hint="6.1")
 def test_limits_hold(runs: Runs) -> None:
-    """Whatever is set, at the start or later: at most 0.5 m/s, and none nearer than 0.3 m."""
+    """Whatever is set, at the start or later: at most 0.5 m/s, 0 below 0.3 m, by allowed values."""
     starts_safely(runs.only(*STARTS))
     within(runs["live_wall"], CONTRACT.limits, "min(…, FASTEST) costs nothing.")
     keeps_distance(runs.only("live_wall"))
