@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
 
 from grader.checks.verdict import Evidence, Trials
-from grader.exercises.goal_seeking.contract import CONTRACT, TURNS, UNSURE, Pose, Quest, bench_turns
+from grader.exercises.goal_seeking.contract import (
+    CONTRACT,
+    TURNS,
+    UNSURE,
+    Pose,
+    Quest,
+    bad_input,
+    bench_turns,
+)
 from grader.recording import Recording
 
 BENCH = "goal_turns"
@@ -51,9 +60,18 @@ def _frozen(run: Recording) -> str:
         or np.ptp(odom.x) + np.ptp(odom.y) < FAR
     ):
         return ""
-    return (
+    same_to = (
         f"all {len(twists)} commands of {run.name} are the same to the last digit, though each "
-        "message on /odom had another pose. Does a loop or a sleep in one callback keep the others "
+        "message on /odom had another pose"
+    )
+    warned = Counter(line.text for line in run.log if line.level == "warn").most_common(1)
+    if warned and warned[0][1] > (bad := sum(map(len, bad_input(run).values()))):
+        return (
+            f"{same_to}, and {warned[0][1]} times the node says “{warned[0][0][:80]}”, where {bad} "
+            "messages were not finite. Does a condition leave good poses out?"
+        )
+    return (
+        f"{same_to}. Does a loop or a sleep in one callback keep the others "
         "from being called? Return, and let the timer call again; or is the pose kept nowhere?"
     )
 

@@ -27,6 +27,7 @@ TOLERANCE = 0.01  # of a factor
 NEAR = 2e-3  # [m/s] and the like
 MIN_ANSWERS = 6
 FEW = 3  # checks
+MOST_AT_FIRST = 30  # answers of a run
 WRONG_SHARE = 0.9  # of the wrong answers
 NUMBER = re.compile(r"([\w.]+) = (-?\d+(?:\.\d+)?)(?![\w.])(?! [^ ]+ or| or| to)")
 TOPIC = re.compile(r"/(\w+)")
@@ -72,15 +73,16 @@ def cause_of_several(exercise: Exercise, failed: Sequence[Failed], trials: ByNam
     if named or len(same) < FEW or len({check.task for check in same}) < 2:
         return None  # of two, each may have a mistake of its own: their own helps stand
     names = {check.scenario or "" for check in same}
-    rows: list[_Row] = []
+    runs: list[list[_Row]] = []
     log: list[LogLine] = []
     for name, run in ((name, run) for name, run in trials.items() if name in names):
         log += run.log if name == failed[0].scenario else ()
         try:
-            rows += _rows(oracle_of(exercise)(run), field)
+            runs.append(_rows(oracle_of(exercise)(run), field))
         except Exception:  # what the node sent can't be read: the check says so
             continue
-    text = in_common(rows, field, reason_in(log, failed[0].time))
+    rows = [row for each in runs for row in each]
+    text = _at_first(runs, field) or in_common(rows, field, reason_in(log, failed[0].time))
     return Cause.of(exercise, text, same, replaces_help=True, own_hint=False) if text else None
 
 
@@ -136,6 +138,21 @@ def in_common(rows: Sequence[_Row], field: str, reason: str = "") -> str:
     return (
         f"{len(wrong)} of {len(rows)} answers have a wrong {field}: {', '.join(kinds)}{rest}. The "
         f"first is at {first.at:.2f} s, to {first.what}."
+    )
+
+
+def _at_first(runs: Sequence[Sequence[_Row]], field: str) -> str:
+    """Say that only the first answers of each run are wrong, and all alike."""
+    wrong = [[i for i, row in enumerate(each) if row.wrong] for each in runs]
+    first = max((each[-1] + 1 for each in wrong if each), default=0)
+    said = {_shown(row.said) for each in runs for row in each[:first]}
+    later = sum(len(each[first:]) for each in runs)
+    if first < 2 or first > MOST_AT_FIRST or len(said) != 1 or later < MIN_ANSWERS:
+        return ""
+    return (
+        f"{field} is {said.pop()} in the first {first} answers of each run, whatever comes, and "
+        f"right in the {later} that follow. Does the node wait for some messages, or for a filter "
+        "to fill? Each one counts, from the first on."
     )
 
 

@@ -42,6 +42,21 @@ def test_what_wrong_answers_share_is_said(answer: Any, said: str) -> None:
     assert bool(said) == bool(text)
 
 
+def test_a_warm_up_is_said_to_be_one() -> None:
+    def run(wrong: int, before: float = 0.0) -> Any:
+        return _rows([
+            Case(float(i), "a scan", allowed={"data": exactly(right)},
+                 said={"data": before if i < wrong else right})
+            for i, right in enumerate(RIGHT)
+        ], "data")  # fmt: skip
+
+    said = several._at_first([run(2), run(2)], "data")
+    assert said.startswith("data is 0.00 in the first 2 answers of each run, whatever comes")
+    assert not several._at_first([run(2), run(0)], "data")  # not in each
+    assert not several._at_first([run(8)], "data")  # nothing follows
+    assert not several._at_first([run(2), run(2, 0.1)], "data")
+
+
 def test_a_sign_that_is_lost_is_seen_in_several_checks() -> None:
     texts = [
         ("linear.x = -0.50 m/s", "linear.x = 0.50 m/s"),
@@ -160,10 +175,20 @@ def test_commands_that_never_change_are_said_to_be_so(rate: float, more: float, 
     assert (found is not None and "the same to the last digit" in found.text) is same
 
 
+def test_poses_that_the_node_leaves_out_are_no_loop(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(causes, "bad_input", lambda _: {"pose": [1.0], "goal": []})
+    run = _run(np.tile([0.3, 0.0, 0.0, 0.0, 0.0, 0.4], (30, 1)))
+    run.log = [LogLine(i, "warn", "jumped") for i in range(2)]
+
+    found = causes.seen({"goal_far": run}, ["warns"])
+
+    assert found is not None and "2 times the node says “jumped”, where 1 " in found.text
+
+
 def _run(twists: Any) -> Any:
     x = np.linspace(0.0, 3.0, 50)
     return SimpleNamespace(
-        name="goal_far", outcome=SimpleNamespace(completed=True),
+        name="goal_far", log=[], outcome=SimpleNamespace(completed=True),
         twists=lambda: SimpleNamespace(values=twists),
         odometry=lambda: SimpleNamespace(x=x, y=x),
     )  # fmt: skip
