@@ -275,7 +275,7 @@ SLOW = {
 def test_a_page_of_text_that_takes_long_is_made(
     render: Render, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(offline, "LIMITS", replace(offline.LIMITS, cpu=1))
+    monkeypatch.setattr(offline, "READER", replace(offline.READER, cpu=1))
     cells = [v4.new_markdown_cell(text[:MAX_PROSE]) for text in SLOW.values()]
     page = render(v4.new_notebook(cells=[*cells, v4.new_code_cell("f(" * 20_000)]), "feedback")
     assert "takes more than 1 s of CPU time" in page
