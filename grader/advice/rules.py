@@ -198,6 +198,13 @@ RULES = (
          "the parameter is declared twice: once in the constructor is enough", PARAMETERS),
     Rule("ParameterUninitializedException", "", "",
          "it is declared without a default: declare_parameter('name', 0.5)", PARAMETERS),
+    Rule("InvalidParameterValueException", r"Callback returned an invalid type", "",
+         "what add_on_set_parameters_callback was given has to return a SetParametersResult on "
+         "every path, with successful=True where all is well", PARAMETERS),
+    Rule("TypeError", r"'(FloatingPoint|Integer)Range' object is not (?:subscriptable|iterable)|"
+         r"'(?:\w+Range)' has no len", "",
+         "a descriptor takes its range in a list: …_range=[\\1Range(from_value=…, to_value=…)]",
+         PARAMETERS),
     Rule("InvalidParameterTypeException", "", "",
          "a parameter keeps the type of its default: 1.0 for a float, not 1", PARAMETERS),
     # futures and coroutines

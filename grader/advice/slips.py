@@ -14,7 +14,7 @@ import importlib
 import math
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -39,6 +39,13 @@ SAID = {  # slip: the sentence, with names for {}
     "any": "{} is True or False, and no number: put the comparison inside",  # W0143
     "bits": "& and | bind tighter than < and >: brackets belong around the comparison",
     "field": "{} has no field {}, and takes the word in silence: is {} meant?",
+    "verdict": "declare_parameter and set_parameters ask {}: it has to return "
+    "SetParametersResult(successful=…, reason=…) on every path, and here it returns {}",
+    "raises": "{} says no by what it returns, SetParametersResult(successful=False, reason=…): "
+    "an exception ends the node",
+    "unheard": "add_post_set_parameters_callback tells {} afterwards, and nobody hears what it "
+    "returns: add_on_set_parameters_callback asks before",
+    "sets": "{} is asked whether a value may be set, and sets one itself, which asks it again",
     "in_loop": "this return ends the loop in its first round: indent it less",
 }
 SENTENCE = re.compile(
@@ -50,6 +57,7 @@ NUMBERS = ("inf", "pi", "nan")
 CLOCKS = ("time", "perf_counter", "perf_counter_ns", "monotonic", "time_ns", "now", "today")
 HANDED = ("add_done_callback", "create_timer", "create_subscription", "create_service", "submit",
           "Thread", "Timer", "add_on_set_parameters_callback")  # fmt: skip
+PARAMETERS = ("add_on_set_parameters_callback", "add_post_set_parameters_callback")
 COLLECTS = ("append", "appendleft", "add", "extend", "update", "insert")
 CALLABLE = {"np": ("isnan", "isfinite", "isinf", "any", "all"), "rclpy": ("ok",),
             "math": tuple(name for name in dir(math) if callable(getattr(math, name)))}  # fmt: skip
@@ -68,7 +76,16 @@ def slips(source: bytes) -> list[str]:
         Python does not accept it.
     """
     tree = ast.parse(source)
-    looks = (_statements, _comparisons, _conditions, _functions, _classes, _loops, _messages)
+    looks = (
+        _statements,
+        _comparisons,
+        _conditions,
+        _functions,
+        _classes,
+        _loops,
+        _messages,
+        _asked,
+    )
     try:
         found = sorted({said for look in looks for said in look(tree)})
     except RecursionError:  # a name of a thousand dots
@@ -267,6 +284,50 @@ def _messages(tree: ast.AST) -> Found:
                         yield _said(node, "field", _dotted(node.func), name, near)
 
 
+def _asked(tree: ast.AST) -> Found:
+    """Yield how functions answer badly that are asked, or told, about parameters."""
+    functions = {each.name: each for each in _all(tree, *FUNCTIONS)}
+    calls = [(_last(node.func), node) for node in _all(tree, ast.Call) if node.args]
+    handed = {(to, _last(node.args[0])): node for to, node in calls if to in PARAMETERS}
+    for (to, name), call in handed.items():
+        own = _own(functions[name]) if name in functions else []
+        returns = [node for node in own if isinstance(node, ast.Return)]
+        if to == PARAMETERS[1]:
+            answers = any(not _is_none(node.value) for node in returns)
+            if answers and (PARAMETERS[0], name) not in handed:
+                yield _said(call, "unheard", name)
+            continue
+        tried = {id(node) for each in own if isinstance(each, ast.Try) for node in _nodes(each)}
+        for node in own:
+            if isinstance(node, ast.Return) and (what := _no_result(node.value)):
+                yield _said(node, "verdict", name, what)
+            elif isinstance(node, ast.Raise) and id(node) not in tried:
+                yield _said(node, "raises", name)
+            elif isinstance(node, ast.Call) and _dotted(node.func).startswith("self.set_param"):
+                yield _said(node, "sets", name)
+        if own and _falls_through(functions[name].body):
+            yield _said(functions[name], "verdict", name, "nothing")
+
+
+def _no_result(value: ast.AST | None) -> str:
+    """Return what it is that is returned in place of a SetParametersResult; "" if it may be one."""
+    if _is_none(value):
+        return "None"
+    truth = isinstance(value, ast.Compare) or isinstance(getattr(value, "op", None), ast.Not)
+    truth = truth or isinstance(getattr(value, "value", None), bool)
+    return "bool" if truth else ""
+
+
+def _falls_through(body: Sequence[ast.AST]) -> bool:
+    """Return whether a function may come to its end without a return."""
+    last = body[-1]
+    if isinstance(last, ast.If):
+        return not last.orelse or _falls_through(last.body) or _falls_through(last.orelse)
+    if isinstance(last, ast.With):
+        return _falls_through(last.body)
+    return not isinstance(last, ast.Return | ast.Raise | ast.While | ast.Try | ast.Match)
+
+
 def _given(tree: ast.AST) -> set[str]:
     """Return the names of variables and attributes that are given a value."""
     named = _all(tree, ast.Name, ast.Attribute)
@@ -303,13 +364,7 @@ def _used_calls(tree: ast.AST) -> Iterator[tuple[ast.Call, ast.AST]]:
 
 def _says_nothing(function: Any) -> bool:
     """Return whether a function returns nothing, and is neither a generator nor abstract."""
-    own: list[Any] = []
-    stack = list(function.body)
-    while stack:
-        node = stack.pop()
-        own.append(node)
-        if not isinstance(node, (*FUNCTIONS, ast.Lambda, ast.ClassDef)):
-            stack += ast.iter_child_nodes(node)
+    own = _own(function)
     returned = [node.value for node in own if isinstance(node, ast.Return)]
     odd = isinstance(function, ast.AsyncFunctionDef) or function.decorator_list
     odd = odd or any(isinstance(node, ast.Yield | ast.YieldFrom | ast.Raise) for node in own)
@@ -317,6 +372,18 @@ def _says_nothing(function: Any) -> bool:
     odd = odd or (isinstance(last, ast.Return) and last.value is not None)
     empty = all(isinstance(node, ast.Expr | ast.Pass) for node in function.body[:2])
     return not (odd or (empty and len(function.body) <= 2)) and all(map(_is_none, returned))
+
+
+def _own(function: Any) -> list[Any]:
+    """Return what stands in a function, without the functions and classes in it."""
+    own: list[Any] = []
+    stack = list(function.body)
+    while stack:
+        node = stack.pop()
+        own.append(node)
+        if not isinstance(node, (*FUNCTIONS, ast.Lambda, ast.ClassDef)):
+            stack += ast.iter_child_nodes(node)
+    return own
 
 
 def _is_none(node: ast.AST | None) -> bool:

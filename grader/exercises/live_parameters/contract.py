@@ -151,6 +151,7 @@ def starts_safely(runs: Runs) -> None:
         require_alive(recording)
         given = ", ".join(f"{n}:={v}" for n, v in recording.scenario.node.parameters.items())
         for _, case in runs.of([recording]).cases():
-            what = f"started with {given}, and then {case.what.split(', with ')[0]}"
+            at = case.what.split(", with ")[0]
+            what = f"started with {given} it goes on with what may not be set, seen at {at}"
             topic = CMD_VEL_TOPIC if "scan" in case.tags else SET
             require_allowed(recording, replace(case, what=what), UNSAFE, topic=topic)

@@ -72,6 +72,10 @@ MEANT = {
     "self.get_parameter('speed').get_parameter_value() < 1.0": ".double_value",
     "float(self.get_parameter('speed').get_parameter_value())": ".double_value",
     "self.declare_parameter('speed', 1.0)": "declared twice",
+    "import rcl_interfaces.msg as r; self.declare_parameter('a', 1.0, r.ParameterDescriptor("
+    "floating_point_range=r.FloatingPointRange()))": "=[FloatingPointRange(",
+    "self.add_on_set_parameters_callback(lambda ps: ps); self.declare_parameter('b', 1.0)":
+        "on every path",
     "Trigger()": "Trigger.Request()",
     "self.create_client(Trigger, '/d').call_async()": "a request object",
     "self.create_client(Trigger, '/d').call_async(Trigger.Request()).success": "answer.success",

@@ -4,6 +4,9 @@ import pytest
 
 from grader.advice.slips import SAID, said_in, slips
 
+ASKED = "self.add_on_set_parameters_callback(self.may_be)\ndef may_be(self, ps):\n    "
+TOLD = "self.add_post_set_parameters_callback(self.may_be)\ndef may_be(self, ps):\n    "
+YES = "return SetParametersResult(successful=True)"
 SLIPS = {  # a program: what is said
     "class A:\n    def f(self): pass\n    def f(self): pass": "A defines f in line 2 and again",
     "node.destroy_node": "node.destroy_node is only named",
@@ -42,6 +45,12 @@ SLIPS = {  # a program: what is said
     "if all(distances) < 0.5: pass": "all is True or False",
     "mask = usable & angles > 0.5": "bind tighter",
     "def f(y):\n    n = 0\n    for x in y:\n        n += x\n        return n / 2": "indent it less",
+    ASKED + "return self.low <= ps[0].value": "line 3: declare_parameter and",
+    f"{ASKED}for p in ps:\n        {YES}": "here it returns nothing",
+    f"{ASKED}if ps:\n        return None\n    {YES}": "here it returns None",
+    ASKED + "raise ValueError": "ends the node",
+    f"{ASKED}self.set_parameters(ps)\n    {YES}": "line 3: may_be is asked",
+    TOLD + YES: "line 1: add_post_set_parameters_callback tells may_be",
 }  # fmt: skip
 NONE = (  # what may be meant
     "try:\n    unicode\nexcept NameError:\n    pass",
@@ -75,6 +84,10 @@ NONE = (  # what may be meant
     "def f(y):\n    for x in y:\n        if x: return x",
     "def f(y):\n    for x in y:\n        n.append(x)\n    return n",
     "def f(y):\n    for x in y:\n        n = 1\n        n += x\n        return n",
+    f"{ASKED}try:\n        raise ValueError\n    except ValueError:\n        {YES}",
+    f"{ASKED}if ps:\n        {YES}\n    else:\n        with self.lock:\n            {YES}",
+    f"{TOLD}self.set_parameters(ps)",
+    f"self.add_on_set_parameters_callback(self.may_be)\n{TOLD}{YES}",
     "class A:\n    def wait(self): self.x = 1\ndef f(wait):\n    y = wait()",
     "def load(path):\n    print(path)\n    return None\nmodel = load('a')",
 )
