@@ -1,4 +1,4 @@
-"""Signals that a node's program sends itself (signals.py); those of several: test_programs.py."""
+"""Signals that a node's program sends itself (signals.py); see test_several_programs.py, too."""
 
 import pytest
 
