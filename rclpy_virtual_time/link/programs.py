@@ -62,7 +62,8 @@ def run_programs(
     `options` are `stdin`, `keys`, `env` and `charge_compute` of `Start`.
 
     Raises HostDied (with the exit status), HostHung, HostForged, Flood or Excess of their process,
-    and EngineError of the machine. A question is forged: nobody answers here.
+    with a note of what it had printed, and EngineError of the machine. A question is forged: nobody
+    answers here.
     """
     due = defaultdict[int, list[frames.Delivery]](list)
     for time, delivery in deliveries:
@@ -78,8 +79,11 @@ def run_programs(
             with launcher.host(place) as link:
                 try:
                     found = _run(link, start, due, until, limit, f"{place}/")
-                except HostDied:
-                    raise HostDied(link.wait(GRACE)) from None
+                except Exception as error:
+                    if isinstance(error, HostDied):
+                        error.args = (link.wait(GRACE),)
+                    error.add_note("\n".join(line.text for line in link.log()))
+                    raise
         if isinstance(found, ProgramsRun):
             return found
         lead = found.lead  # a program sleeps before it spins: it has to start so much earlier

@@ -48,8 +48,9 @@ LIES = "for fd in range(3, 20):\n    try: os.write(fd, b'\\xff' * 8)\n    except
 def test_what_no_program_does_is_raised(
     run_node: RunNode, source: str, error: type[Exception], words: str
 ) -> None:
-    with pytest.raises(error, match=words):
-        run_node(source, limit=3.0 if error is HostHung else 20.0)
+    with pytest.raises(error, match=words) as raised:
+        run_node("print('begins', flush=True)\n" + source, limit=3.0 if error is HostHung else 20.0)
+    assert raised.value.__notes__[0].splitlines()[-1] == "begins"
 
 
 def test_a_question_has_nobody_who_answers(run_node: RunNode) -> None:

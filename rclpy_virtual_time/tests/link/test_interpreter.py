@@ -6,13 +6,11 @@ import os
 from pathlib import Path
 
 import pytest
-from node_runs import short
 
-from grader.course.exercises import ROOT
-from grader.course.submission import Submission
-from grader.launchers import fork_server
-from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ROOT, ForkServer
 from rclpy_virtual_time.link.interpreter import left_out, library_folders, with_needs
+from rclpy_virtual_time.link.settings import EPOCH
+from rclpy_virtual_time.tests.runs import run_beside_lidar
 
 
 def mapped() -> Path:
@@ -70,9 +68,8 @@ def test_ros_comes_before_the_interpreters_own(needed: Path) -> None:
 def test_a_host_has_them(needed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """An interpreter of an HPC module finds its libraries through this variable alone."""
     monkeypatch.setenv("LD_LIBRARY_PATH", str(needed))
-    file = tmp_path / "node.py"
-    file.write_text("import os; print(os.environ['LD_LIBRARY_PATH'])")
-    with fork_server() as forkserver:
-        recording = run_trial(Submission(file), short(0.1), forkserver)
+    (tmp_path / "node.py").write_text("import os; print(os.environ['LD_LIBRARY_PATH'])")
+    with ForkServer(EPOCH) as forkserver:
+        recording = run_beside_lidar(forkserver, tmp_path, "node.py", seconds=0.1)
 
     assert str(needed) in recording.log[0].text.split(os.pathsep)

@@ -10,18 +10,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from node_runs import PREAMBLE, is_over, short
 
-from grader.course.submission import Submission
-from grader.errors import GraderError
-from grader.recording import Recording
-from grader.trial.virtual_time import run_trial
 from rclpy_virtual_time.host.sandbox.amounts import MAX_FOLDER, MAX_FOLDER_FILES
 from rclpy_virtual_time.host.sandbox.layers import MOUNTS
+from rclpy_virtual_time.link.errors import EngineError
 from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.scratch import fresh_folder
 from rclpy_virtual_time.link.workplace import Excess, check_folder
 from rclpy_virtual_time.tests.ordinary import OUT_OF_REACH, ROOT, run_as_ordinary, said_by_ordinary
+from rclpy_virtual_time.tests.runs import PREAMBLE, end_of, is_over, run_beside_lidar
 
 LONG = functools.partial(pytest.param, marks=pytest.mark.long)
 SPIN = "\nrclpy.init(); rclpy.spin(Echo())\n"
@@ -58,20 +55,23 @@ MOST = {"unlinked": MAX_FOLDER, "files": MAX_FOLDER_FILES, "threads": 512}
 SCENE = """
 import json, sys, tempfile
 from pathlib import Path
-from grader.launchers import fork_server
+from rclpy_virtual_time.link.hosts import ForkServer
+from rclpy_virtual_time.link.settings import EPOCH
 from test_workplace import GREEDY, run
-with tempfile.TemporaryDirectory() as folder, fork_server() as forkserver:
-    runs = {name: run(name, Path(folder), forkserver) for name in GREEDY}
-    said = {name: (r.outcome.kind, r.outcome.text, [x.text for x in r.log]) for name, r in runs.items()}
+with tempfile.TemporaryDirectory() as folder, ForkServer(EPOCH) as forkserver:
+    said = {name: run(name, Path(folder), forkserver) for name in GREEDY}
     print(json.dumps((forkserver.layers, forkserver.means.counted, said)))
-"""  # noqa: E501
+"""
 
 
-def run(name: str, folder: Path, forkserver: ForkServer) -> Recording:
-    """Run a greedy node."""
-    file = folder / f"{name}.py"
-    file.write_text(PREAMBLE + GREEDY[name] + SPIN)
-    return run_trial(Submission(file), short(0.3), forkserver)
+def run(name: str, folder: Path, forkserver: ForkServer) -> tuple[str, str, list[str]]:
+    """Run a greedy node; say how it ended, with which words, and what it printed."""
+    (folder / f"{name}.py").write_text(PREAMBLE + GREEDY[name] + SPIN)
+    try:
+        run = run_beside_lidar(forkserver, folder, f"{name}.py", seconds=0.3)
+    except Excess as excess:
+        return "flooded", str(excess), excess.__notes__[0].splitlines()
+    return end_of(run), run.ended.text if run.ended else "", [line.text for line in run.log]
 
 
 # --- the limits ----------------------------------------------------------------------------------
@@ -81,11 +81,11 @@ def run(name: str, folder: Path, forkserver: ForkServer) -> Recording:
 def test_the_kernel_limits_a_host(name: str, forkserver: ForkServer, tmp_path: Path) -> None:
     if MOUNTS not in forkserver.layers or not forkserver.means.counted:
         pytest.skip("no mounts on this machine")
-    recording = run(name, tmp_path, forkserver)
+    kind, _, log = run(name, tmp_path, forkserver)
 
-    got = [int(line.text) for line in recording.log if line.text.isdigit()]
+    got = [int(line) for line in log if line.isdigit()]
     assert got and 0 < got[0] <= MOST[name]
-    assert recording.outcome.kind in ("completed", "flooded", "exception")
+    assert kind in ("completed", "flooded", "exception")
 
 
 @pytest.mark.parametrize("namespaces", [LONG(True), False])
@@ -104,18 +104,6 @@ def test_an_ordinary_user_has_limits_too(namespaces: bool) -> None:
         assert {kind for kind, _, _ in runs.values()} == {"flooded"}
         assert "threads" in runs["threads"][1]
         assert "more than 5,000 files or 268,435,456 bytes" in runs["files"][1]
-
-
-def test_a_full_folder_is_no_full_disk(forkserver: ForkServer, tmp_path: Path) -> None:
-    """A node that meets the limit has met its own, with a sentence that says so."""
-    if MOUNTS not in forkserver.layers:
-        pytest.skip("no mounts on this machine")
-    file = tmp_path / "node.py"
-    file.write_text("data = bytes(60 << 20)\nfor n in range(6): open(f'f{n}', 'wb').write(data)")
-    outcome = run_trial(Submission(file), short(0.3), forkserver).outcome
-
-    assert (outcome.kind, outcome.text.split(":")[0]) == ("exception", "OSError")
-    assert "a node's folder holds 256 MiB in 5,000 files" in outcome.text
 
 
 def test_a_folder_that_is_too_deep_is_an_excess() -> None:
@@ -142,7 +130,8 @@ def test_a_folder_that_is_too_deep_is_an_excess() -> None:
 
 def test_files_survive_for_the_next_host_of_a_place(forkserver: ForkServer) -> None:
     """A program that is started again in the same trial finds what it wrote."""
-    with Submission(Path(__file__)).folder() as folder:
+    with fresh_folder() as folder:
+        (folder / "node.py").touch()
         (folder / "handed_in.bin").write_bytes(b"model")
         (folder / "below").mkdir()
         (folder / "below" / "link").symlink_to("../handed_in.bin")
@@ -156,7 +145,7 @@ def test_files_survive_for_the_next_host_of_a_place(forkserver: ForkServer) -> N
         after = {path.name for path in folder.iterdir()}
 
     assert seen == {
-        Path(__file__).name: False, "handed_in.bin": False, "below": False, "link": True,
+        "node.py": False, "handed_in.bin": False, "below": False, "link": True,
         "written": False,
     }  # fmt: skip
     assert status.st_uid == (place.user or os.getuid())
@@ -170,7 +159,7 @@ def test_no_mount_stays(forkserver: ForkServer) -> None:
     process = forkserver._process.pid
     before = mounts(process), mounts("self"), len(os.listdir("/proc/self/fd"))
     for _ in range(3):
-        with Submission(Path(__file__)).folder() as folder, forkserver.host(folder):
+        with fresh_folder() as folder, forkserver.host(folder):
             inside = mounts(process)
     with (
         fresh_folder() as folder,
@@ -188,7 +177,7 @@ def test_a_place_that_is_not_there_is_the_graders_fault(forkserver: ForkServer) 
     if MOUNTS not in forkserver.layers:
         pytest.skip("no mounts on this machine")
     missing = Path("/tmp/course-0-not-there")
-    with pytest.raises(GraderError, match=r"no host for the node: .*No such file"):
+    with pytest.raises(EngineError, match=r"no host for the node: .*No such file"):
         forkserver.workplace(missing).__enter__()
 
 
@@ -209,24 +198,23 @@ for _ in range(100): libc.usleep(999999)
 WAITING = """
 import sys
 from pathlib import Path
-from rclpy_virtual_time.host.frames import Start
-from grader.launchers import fork_server
+from rclpy_virtual_time.host.frames import ProgramStart, Start
+from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.link import Link
 from rclpy_virtual_time.link.pipes import Pipes
-from grader.trial.staging import stage
-from grader.course.submission import Submission
-from sim.messages import EPOCH_NS
-from sim.scenario_files import load_scenario
+from rclpy_virtual_time.link.scratch import fresh_folder
+from rclpy_virtual_time.link.settings import EPOCH
 
 with (
-    fork_server() as forkserver,
-    stage(Submission(Path({file!r})), load_scenario("demo_wall")) as staged,
-    forkserver.host_process(staged.folder) as host,
+    ForkServer(EPOCH) as forkserver,
+    fresh_folder() as folder,
+    forkserver.host_process(folder) as host,
 ):
+    (folder / "node.py").write_bytes(Path({file!r}).read_bytes())
     link = Link(Pipes(host))
     print(forkserver._process.pid, host.pid, flush=True)
     try:
-        link.run(Start(staged.programs, EPOCH_NS, 1, staged.offers), 60.0)
+        link.run(Start((ProgramStart(str(folder / "node.py")),), EPOCH, 1, ()), 60.0)
     except BaseException as error:
         print(type(error).__name__, flush=True)
     print(host.wait(1.0), flush=True)
