@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from itertools import pairwise
 
 from grader.checks.case import wrong_unit
 from grader.checks.verdict import Evidence, Trials
@@ -40,6 +41,14 @@ def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
                 break
     for name, run in trials.items() if explained else ():
         values = [case for case in cases(run) if "form" not in case.tags]
+        counts = [(case.at, case.said["count"]) for case in values if "count" in case.tags]
+        for (_, before), (at, count) in pairwise(counts):
+            if isinstance(before, float) and isinstance(count, float) and count < before:
+                return Evidence(
+                    f"at {at:.2f} s of {name} count falls from {before:.0f} to {count:.0f}: a call "
+                    "leaves the window only when a hundred later ones are in it. What empties it?",
+                    explains=explained,
+                )
         for text in filter(None, (wrong_unit(values, field) for field in TIMES)):
             return Evidence(f"in the reports of {name} {text}", explains=explained)
         told = [case.said["max_ms"] for case in values  # where there were calls

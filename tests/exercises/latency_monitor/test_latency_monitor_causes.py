@@ -1,4 +1,4 @@
-"""What reports in another unit, or of nothing but 0, are taken for."""
+"""What reports in another unit, of nothing but 0, or of a window that empties are taken for."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -9,10 +9,10 @@ from grader.checks.case import Case, exactly
 from grader.exercises.latency_monitor import causes
 
 
-def report(at: float, mean: float, said: float) -> Case:
+def report(at: float, mean: float, said: float, count: float = 9.0, tag: str = "max_ms") -> Case:
     right = {"mean_ms": exactly(mean), "max_ms": exactly(2 * mean)}
-    told = {"count": 9.0, "mean_ms": said, "max_ms": 2 * said}
-    return Case(at, "a report", frozenset({"value"}), right, told)
+    told = {"count": count, "mean_ms": said, "max_ms": 2 * said}
+    return Case(at, "a report", frozenset({tag, "count"}), right, told)
 
 
 @pytest.mark.parametrize(
@@ -37,3 +37,24 @@ def test_a_slip_of_units_is_seen_in_all_reports(
     assert said in (found.text if found else "")
     assert bool(found) == bool(said)
     assert causes.seen({"latency_times": run}, ["clipped"]) is None
+
+
+@pytest.mark.parametrize(
+    ("counts", "tag", "said"),
+    [
+        ((20.0, 40.0, 20.0), "max_ms", "at 2.00 s of latency_times count falls from 40 to 20"),
+        ((20.0, 100.0, 100.0), "max_ms", "every latency is 0.00"),
+        ((0.0, 0.0, 0.0), "empty", ""),  # there was no call
+    ],
+)
+def test_a_window_only_fills(
+    counts: tuple[float, ...], tag: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reports = [report(float(i), 1.0, 0.0, count, tag) for i, count in enumerate(counts)]
+    monkeypatch.setattr(causes, "cases", lambda run: reports)
+    run: Any = SimpleNamespace(name="latency_times", published=[])
+
+    found = causes.seen({"latency_times": run}, ["mean_and_max"])
+
+    assert said in (found.text if found else "")
+    assert bool(found) == bool(said)
