@@ -3,9 +3,10 @@
 import inspect
 import re
 import urllib.error
+from pathlib import Path
 
 import pytest
-from node_runs import RunNode
+from node_runs import RunNode, short
 
 from grader.advice import hints
 from grader.advice.hints import (
@@ -19,6 +20,9 @@ from grader.advice.hints import (
     missing_package,
 )
 from grader.cli import cli
+from grader.course.submission import find_submission
+from grader.trial.virtual_time import run_trial
+from rclpy_virtual_time.link.hosts import ForkServer
 
 REFUSED = {
     "subprocess": ("import subprocess; subprocess.run(['echo', 'hi'])", PROCESSES),
@@ -99,6 +103,20 @@ def test_a_module_of_ones_own_package_has_its_name(run_node: RunNode) -> None:
     """).outcome
 
     assert "`from my_robot.perception import …`" in outcome.text
+
+
+@pytest.mark.parametrize("name", ["logging.py", "rclpy.py", "rclpy/__init__.py"])
+def test_a_file_beside_the_node_that_hides_a_module(
+    name: str, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).write_text("LEVEL = 1\n")
+    (tmp_path / "node.py").write_text("from rclpy.node import Node\n")
+    outcome = run_trial(find_submission(tmp_path / "node.py"), short(0.1), forkserver).outcome
+
+    module = name.split(".", maxsplit=1)[0].split("/", maxsplit=1)[0]
+    what = "the folder rclpy/" if "/" in name else name
+    assert f"`import {module}` finds {what} beside the node" in outcome.text
 
 
 def test_a_package_of_ros_that_is_not_installed(run_node: RunNode) -> None:

@@ -6,19 +6,20 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
-from grader.launchers import ADVICE, ForkServerPool
 from rclpy_portable import unpacking
 from rclpy_virtual_time.host.frames import Ended, ProgramStart, Start
 from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.practice import PracticeServer
-from sim.messages import EPOCH_NS
+from rclpy_virtual_time.link.settings import EPOCH
 
 LIMIT = 60.0  # [s]
-LEARNING = ("sklearn.ensemble", "onnxruntime")
+LEARNING = ("sklearn.ensemble", "onnxruntime") if find_spec("sklearn") else ()
+ADVICE = "rclpy_virtual_time.tests.host.hiding:Hiding"
 LINES = {
     "only rclpy": "import rclpy",
     "a node": """
@@ -65,16 +66,12 @@ def dedent(lines: str) -> str:
 
 
 @pytest.fixture(scope="module", params=["real", "portable"])
-def learned(
-    request: pytest.FixtureRequest, forkservers: ForkServerPool
-) -> Iterator[ForkServer | PracticeServer]:
-    """Hosts that have imported what exercise 2 needs."""
-    if request.param == "real":
-        yield forkservers.of(LEARNING)
-        return
-    libraries = LEARNING if request.param == "portable" else ()
-    with PracticeServer(EPOCH_NS, libraries=libraries, advice=ADVICE) as server:
-        yield server
+def learned(request: pytest.FixtureRequest) -> Iterator[ForkServer | PracticeServer]:
+    """Hosts that have imported libraries of models."""
+    libraries = LEARNING if request.param != "portable, bare" else ()
+    server = ForkServer if request.param == "real" else PracticeServer
+    with server(EPOCH, libraries=libraries, advice=ADVICE) as started:
+        yield started
 
 
 # What every host has imported is enough there: each does it anew
@@ -91,7 +88,7 @@ def folder() -> Iterator[Path]:
 def end_of(server: ForkServer | PracticeServer, file: Path) -> tuple[str, list[str]]:
     """Return how a program ended that never waits, and what it printed."""
     with server.host(file.parent) as link:
-        start = Start((ProgramStart(str(file)),), EPOCH_NS, seed=1, offers=())
+        start = Start((ProgramStart(str(file)),), EPOCH, seed=1, offers=())
         ended, _ = link.run(start, LIMIT)
         assert isinstance(ended, Ended), ended
         return f"{ended.kind}: {ended.text}", [line.text for line in link.log()]
@@ -193,7 +190,7 @@ def test_a_file_beside_the_node_goes_first(
         assert said == [BESIDE[name]]
         return
     assert plain.partition(" (")[0] in ended  # without the path
-    assert f"finds {'the folder rclpy/' if '/' in name else name} beside the node" in ended
+    assert ended.endswith(f"hidden by {folder / name}"), ended
 
 
 @WARM
@@ -202,4 +199,4 @@ def test_a_node_named_like_what_it_imports_is_told_so(
 ) -> None:
     (folder / "rclpy.py").write_text(NODE.format("time", "time"))
     ended, _ = end_of(learned, folder / "rclpy.py")
-    assert "`import rclpy` finds rclpy.py beside the node" in ended
+    assert ended.endswith(f"hidden by {folder / 'rclpy.py'}"), ended
