@@ -210,14 +210,19 @@ class Runtime:
         """Judge the recordings of `scenarios`: return the JSON object of the grading.
 
         The order names the `exercise`, the `file`, and perhaps the checks to judge (`only`). A
-        check that failed has the `file` and `line` of the last message that had been sent by then.
+        check that failed has the `file` and `line` of the last message that had been sent by then,
+        unless several of the reader's programs run.
         """
         wanted = json.loads(order)
         grading = self._grading(wanted).as_dict()
         for check in grading["checks"]:
             if check["outcome"] == "fail" and check["scenario"] and check["time"] is not None:
-                sent = self._load(check["scenario"])[1]
+                recording, sent = self._load(check["scenario"])
                 before = [where for time, *where in sent if time <= check["time"] + MOMENT]
+                if len({end.process for end in recording.ends}) > 1:
+                    before = []  # nobody knows which of them is meant
+                ours = {each.file for each in recording.scenario.program if each.supplied}
+                before = [where for where in before if where[0] not in ours]
                 check["file"], check["line"] = before[-1] if before else ("", 0)
         return json.dumps(grading, default=str)
 

@@ -66,7 +66,7 @@ def require_wiring(recording: Recording, slug: str, *nodes: str) -> None:
     ends: tuple[Wanted, ...] = (*exercise.topics, *exercise.services)
     for end in ends:
         if not nodes or end.node in nodes:
-            _require_end(recording, end)
+            require_end(recording, end)
 
 
 def require_alive(recording: Recording) -> None:
@@ -80,6 +80,9 @@ def require_alive(recording: Recording) -> None:
     text = outcome.text or f"the node's program ended ({outcome.kind})"
     if outcome.kind == "exception":
         _fail_of_exception(recording, text, death)
+    own = [program.file for program in recording.scenario.program if not program.supplied]
+    if len(own) == 1 and own[0] not in text:  # one of several files
+        text = f"{own[0]}: {text}".removeprefix(": ")
     advice = _ENDS.get(outcome.kind, "")
     if outcome.kind == "unreadable" and "line " not in text:  # an empty file, a package
         advice = ""
@@ -87,7 +90,7 @@ def require_alive(recording: Recording) -> None:
         advice = f"Does the loop of {death.loop} ever end? {advice}"
     if death and death.advice:
         advice = advice_on(death)
-    if outcome.kind == "returned" and not recording.endpoints:
+    if outcome.kind == "returned" and not recording.ends:
         advice = NO_NODE
     fail(
         text,
@@ -162,7 +165,7 @@ def _last_delivery(recording: Recording, topic: str) -> str:
     return text
 
 
-def _require_end(recording: Recording, wanted: Wanted) -> None:
+def require_end(recording: Recording, wanted: Wanted) -> None:
     """Fail unless the node has this end, with the right type and a QoS that matches."""
     kind = KINDS[wanted.direction]
     every = [end for end in recording.ends if end.node == f"/{wanted.node}"] or [*recording.ends]

@@ -166,10 +166,11 @@ def find_submission(
     names = [name for name in dict.fromkeys(others) if name != path.name]
     found = tuple(file for name in names if (file := file_beside(path, name)) is not None)
     path = path.resolve()
-    problems = [_problem(file) for file in (path, *found)]
+    launched = path.name.endswith(LAUNCH)  # what is wrong in one file says nothing of the others
+    problems = [_problem(file, launched=launched) for file in (path, *found)]
     problem = next(filter(None, problems), "")
     there = beside(path.parent)  # as Python has it, where a link leads
-    if path.name.endswith(LAUNCH):
+    if launched:
         every = {**there.files, **{file.name: file for file in (path, *found)}}
         return Submission(path, problem, found, every, there.left, Package(path.name, folders=()))
     mine = {path.name, *(file.name for file in found)}
@@ -312,7 +313,7 @@ def _in_folder(folder: Path, expected: str | None) -> Path:
     return path
 
 
-def _problem(path: Path) -> str:
+def _problem(path: Path, *, launched: bool = False) -> str:
     if not path.name.isprintable():  # not UTF-8, or with control characters
         raise InputError(f"{str(path)!r}: give the file a name of ordinary characters")
     try:
@@ -320,6 +321,8 @@ def _problem(path: Path) -> str:
         if len(content) > MAX_SIZE:
             size = path.stat().st_size
             return f"the file has {size:,} bytes; at most {MAX_SIZE:,} are read"
+        if launched:
+            return ""
         if not content.strip():
             return "the file is empty: was it saved?"
         return _unencoded(content)

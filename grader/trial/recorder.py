@@ -62,8 +62,9 @@ class Recorder:
         for report in reports:
             if report.process not in names and names:
                 raise HostForged(f"an end of program {report.process}")
-            said = msgspec.structs.asdict(report)
-            self.endpoints.append(Endpoint(**said | {"process": names.get(report.process, "")}))
+            end = Endpoint(*msgspec.structs.astuple(report))
+            of = names.get(report.process, "")
+            self.endpoints.append(msgspec.structs.replace(end, process=of))
         if len(self.endpoints) > MAX_ENDPOINTS:
             raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
 

@@ -36,7 +36,7 @@ TYPED = {  # after the reference; where nothing is said, the first three mutants
     "model_formats": ("suffix_within", "features_in_another_order", "nan_slips_through"),
     "latency_monitor": ("all_calls_ever", "dies_without_a_model", "missed_ever"),
     "live_parameters": ("read_once", "clips", "each_by_itself"),
-    "three_nodes": ("two_drivers", "past_the_guard", "nan_gets_through"),
+    "three_nodes": ("two_guards", "past_the_guard", "nan_gets_through"),
 }
 SLUG = "obstacle_avoidance"
 KEPT = """async () => {

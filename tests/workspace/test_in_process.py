@@ -36,7 +36,7 @@ GRADED = [
     "model_server/mutant/constructor_waits",
     "model_formats/mutant/suffix_within",
     "live_parameters/mutant/clips",
-    "three_nodes/mutant/two_drivers",
+    "three_nodes/mutant/two_guards",
 ]
 if os.environ.get("COURSE_PAGE") == "full":  # hours; -k avoidance takes one exercise
     GRADED = [name for name, claim in CLAIMS.items() if claim.stem not in UNSETTLED]

@@ -10,11 +10,10 @@ fresh, old       a command of the guard, whose newest wish is fresh, or too old
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import PurePath
-
-import msgspec
 
 from grader.checks.ahead import HAIR, front_distances
 from grader.checks.case import Allowed, Case, Said, exactly
@@ -52,7 +51,7 @@ def cases(recording: Recording) -> list[Case]:
     if "watcher.py" in alone:
         return list(_distances(recording, told))
     running = {PurePath(end.process).name for end in recording.ends}
-    unseen = [name for name, file in NODES.items() if file not in running]  # it died at once
+    unseen = {GUARD, *(name for name, file in NODES.items() if file not in running)}
     others = [*_graph(recording, unseen), *_distances(recording, told), *_speeds(recording)]
     return [*others, *_guarded(recording, wanted, LIMIT)]
 
@@ -62,7 +61,7 @@ def given(recording: Recording) -> dict[str, Said]:
     found: dict[str, Said] = {}
     for line in recording.log:
         if line.level == "stdout" and line.text.startswith("{"):
-            found |= msgspec.json.decode(line.text)
+            found |= json.loads(line.text)
     return found
 
 
@@ -74,7 +73,7 @@ def _given(recording: Recording) -> Iterator[Case]:
 
 
 def _graph(recording: Recording, unseen: Collection[str] = ()) -> Iterator[Case]:
-    """Yield who is there, and who drives; of `unseen` nodes other checks tell."""
+    """Yield who is there, and who drives; of `unseen` nodes that don't, other checks tell."""
     drivers = [e for e in recording.ends if (e.kind, e.topic) == ("publisher", "/cmd_vel")]
     for tag, wanted, ends in (("nodes", NODES, recording.ends), ("drivers", (GUARD,), drivers)):
         found = sorted({*map(_named, ends), *(node for node in unseen if node in wanted)})

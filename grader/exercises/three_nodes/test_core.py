@@ -20,9 +20,11 @@ from grader.checks.verbs import (
     zero,
 )
 from grader.checks.verdict import fail
-from grader.checks.wiring import require_alive
+from grader.checks.wiring import require_alive, require_end
+from grader.course.exercises import Topic
 from grader.exercises.three_nodes.contract import CONTRACT, GIVEN, NODES, given
 from grader.recording import Recording
+from sim.messages import CMD_VEL_RAW_TOPIC, CMD_VEL_TOPIC, TWIST
 
 LAUNCH, BENCH, WALL = "shuttle_launch", "shuttle_bench", "shuttle_wall"
 WATCHER, DRIVER, GUARD = "shuttle_watcher", "shuttle_driver", "shuttle_guard"
@@ -79,6 +81,9 @@ def test_wishes(runs: Runs) -> None:
 @check(points=10, asks=SAFETY, task=6, scenarios=(GUARD,), needs=(), hint="6.1")
 def test_limits(runs: Runs) -> None:
     """The guard passes on 0 to max_speed, and 0 for a wish that is no number."""
+    require_alive(runs[0])
+    for name, direction in ((CMD_VEL_RAW_TOPIC, "subscribe"), (CMD_VEL_TOPIC, "publish")):
+        require_end(runs[0], Topic(name, TWIST, direction))
     follows(runs, "fresh", explain=_what_gets_through)
     zero(runs[0], FIELDS[1:], "Only linear.x is passed on.")
 
@@ -86,7 +91,7 @@ def test_limits(runs: Runs) -> None:
 @check(points=10, asks=TIMING, task=6, scenarios=(GUARD,), needs=("limits",), hint="6.2")
 def test_silence(runs: Runs) -> None:
     """The guard speaks 20 times a second, and says 0 when the newest wish is 0.5 s old."""
-    every(runs[0], "/cmd_vel", 0.05, 0.01, begin=0.2)
+    every(runs[0], "/cmd_vel", 0.05, 0.01, begin=0.2, help="create_timer takes seconds: 0.05.")
     follows(runs, "old", help="Without a new wish, what does your timer publish?")
 
 
@@ -169,7 +174,10 @@ def _which_parameter(case: Case) -> str:
 def _what_gets_through(case: Case) -> str:
     """Say what to look at, where the guard's answer to a fresh wish is another one."""
     if case.said.get("linear.x") == 0.0:
-        return "Why 0.0? Log the age that it computes: `.nanoseconds / 1e9` are seconds."
+        return (
+            "Why 0.0? Log the age (`.nanoseconds / 1e9` are seconds), and what min and max make "
+            "of the wish."
+        )
     return "min, max, and math.isfinite."
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from grader.course.exercises import Exercise
 from grader.grading.causes.cause import ByName, Cause, Failed, hint_on, sentences, shortened
 from grader.recording import Outcome, death_of
 
+UNWIRED = re.compile(r"there is (no|an?) \w+ (of \S+ )?on /|the (publisher|subscription) o[nf] /")
 WIRED = "wiring"  # in the names of the checks that every other one needs
 
 
@@ -18,8 +20,17 @@ def cause_of_end(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
         if recording is not None and not recording.outcome.completed and check.where:
             return _cause_of(exercise, recording.outcome, check)
     first = failed[0]
+    if (run := trials.get(first.scenario or "")) is not None and run.outcome.completed:
+        for note in run.notes:
+            line = re.search(r"line (\d+)", note.more)
+            if note.kind == "ended" and line:
+                where = f"line {line[1]} of {note.about}"
+                text = f"{note.about} ended at {note.time / 1e9:.1f} s: {note.more}"
+                return Cause.of(exercise, text, [first], where=where)
     if WIRED in first.id or (first.kind == "core" and _ended(first, trials)):
         return Cause.of(exercise, _said(first), [first], where=first.where)
+    if UNWIRED.match(first.message):  # its checks' hints are about what it would say there
+        return Cause.of(exercise, _said(first), [first], own_hint=False)
     return None
 
 
