@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import shutil
-from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -65,10 +65,7 @@ def run_programs(
     with a note of what it had printed, and EngineError of the machine. A question is forged: nobody
     answers here.
     """
-    due = defaultdict[int, list[frames.Delivery]](list)
-    for time, delivery in deliveries:
-        due[time].append(delivery)
-    lead = 0
+    lead, due = 0, sorted(deliveries, key=itemgetter(0))
     while True:
         with fresh_folder() as place:
             shutil.copytree(folder, place, symlinks=True, dirs_exist_ok=True)
@@ -90,12 +87,13 @@ def run_programs(
 
 
 def _run(
-    link: Link, start: frames.Start, due: Mapping[int, list[frames.Delivery]],
+    link: Link, start: frames.Start, due: Sequence[tuple[int, frames.Delivery]],
     until: int, limit: float, place: str,
 ) -> ProgramsRun | frames.Slept:  # fmt: skip
-    moments = sorted({0, until, *range(0, until, SLICE), *(time for time in due if time < until)})
+    at = {time: tuple(each[1] for each in now) for time, now in groupby(due, key=itemgetter(0))}
+    moments = sorted({0, until, *range(0, until, SLICE), *(time for time in at if time < until)})
     steps: list[tuple[int, int, frames.Start | frames.Run]] = [(0, 0, start)]
-    steps += ((at, to, frames.Run(to, tuple(due.get(at, ())))) for at, to in pairwise(moments))
+    steps += ((now, then, frames.Run(then, at.get(now, ()))) for now, then in pairwise(moments))
     run = ProgramsRun(0, [], [], {})
     for began, agreed, frame in steps:
         said, _ = link.run(frame, limit)
@@ -117,10 +115,8 @@ def _run(
             run.ended = replace(said, text=text, detail=detail)
             break
         run.spun = run.spun or said.spinning
-        if said.spinning or said.asleep:
-            run.stuck = None
-        elif run.stuck is None:
-            run.stuck = said.now
+        goes_on = said.spinning or said.asleep
+        run.stuck = None if goes_on else said.now if run.stuck is None else run.stuck
     run.log = tuple(LogLine(x.time, x.level, x.text.replace(place, "")) for x in link.log())
     run.truncated = link.stdout.truncated or link.stderr.truncated
     if run.ended is None and not (run.spun and run.stuck is None):

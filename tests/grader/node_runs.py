@@ -5,11 +5,11 @@ from collections.abc import Callable
 import msgspec
 
 from grader.recording import Recording
-from rclpy_virtual_time.tests.runs import PREAMBLE, is_over
+from rclpy_virtual_time.tests.runs import PREAMBLE
 from sim.scenario import Scenario
 from sim.scenario_files import load_scenario
 
-__all__ = ["PREAMBLE", "RunNode", "is_over", "short"]
+__all__ = ["PREAMBLE", "RunNode", "short"]
 
 RunNode = Callable[..., Recording]
 

@@ -16,6 +16,7 @@ from grader.advice.hints import (
     MEMORY,
     NETWORK,
     PROCESSES,
+    SPACE,
     hint,
     missing_package,
 )
@@ -35,6 +36,7 @@ REFUSED = {
     "a file elsewhere": ("open('/tmp/x', 'w')", FILES),
     "too much memory": ("bytearray(5 << 30)", MEMORY),
     "too much memory of numpy's": ("import numpy; numpy.zeros((5 << 30,), 'u1')", MEMORY),
+    "a full folder": ("for n in range(6): open(f'f{n}', 'wb').write(bytes(60 << 20))", SPACE),
     "input": ("input('speed? ')", KEYBOARD),
     "a terminal": ("import termios; termios.tcgetattr(sys.stdin)", KEYBOARD),
     "rolling's init": ("with rclpy.init(): pass", CONTEXT),
