@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from rclpy_virtual_time.link.errors import NoRos
 from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.programs import ProgramsRun
 from rclpy_virtual_time.link.ros_environment import RosEnvironment
@@ -29,11 +28,7 @@ def runtime(request: pytest.FixtureRequest, forkserver: ForkServer) -> Iterator[
     if request.param == "real":
         yield forkserver
         return
-    try:
-        portable = RosEnvironment.portable()
-    except NoRos as error:
-        pytest.skip(str(error))
-    with ForkServer(EPOCH, portable) as server:
+    with ForkServer(EPOCH, RosEnvironment.portable()) as server:
         yield server
 
 

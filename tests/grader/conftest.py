@@ -8,7 +8,6 @@ import pytest
 from node_runs import PREAMBLE, RunNode, short
 
 from grader.course.submission import Submission
-from grader.errors import InputError
 from grader.launchers import fork_server
 from grader.recording import Recording
 from grader.trial.virtual_time import Limits, run_trial
@@ -29,11 +28,7 @@ def runtime(request: pytest.FixtureRequest, forkserver: ForkServer) -> Iterator[
     if request.param == "real":
         yield forkserver
         return
-    try:
-        portable = RosEnvironment.portable()
-    except InputError as error:
-        pytest.skip(str(error))
-    with fork_server(portable) as server:
+    with fork_server(RosEnvironment.portable()) as server:
         yield server
 
 

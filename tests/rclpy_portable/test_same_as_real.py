@@ -8,15 +8,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-import msgspec
 import pytest
 
-from grader.course.submission import Submission
-from grader.errors import InputError
-from grader.launchers import fork_server
-from grader.trial.virtual_time import run_trial
-from rclpy_virtual_time.link.ros_environment import RosEnvironment
-from sim.scenario_files import load_scenario
+from rclpy_virtual_time import ForkServer, NoRos, ProgramStart, RosEnvironment, run_programs
+from rclpy_virtual_time.link.settings import EPOCH
 
 SCRIPTS = sorted((Path(__file__).parent / "scripts").glob("*.py"))
 QUICK = ("messages", "services")  # in `make test`
@@ -45,11 +40,10 @@ def said(script: Path, paths: list[Path], variables: dict[str, str], domain: int
 
 def said_in_a_host(script: Path, ros: RosEnvironment) -> list[str]:
     """Run a program in virtual time; return the lines that it prints."""
-    scenario = msgspec.structs.replace(load_scenario("demo_wall"), duration=60.0)
-    with fork_server(ros) as server:
-        recording = run_trial(Submission(script), scenario, server)
-    assert recording.outcome.kind == "returned", recording.outcome
-    return [line.text for line in recording.log if line.level == "stdout"]
+    with ForkServer(EPOCH, ros) as server:
+        run = run_programs(server, script.parent, [ProgramStart(script.name)], until=60 * 10**9)
+    assert run.ended and run.ended.kind == "returned", run
+    return [line.text for line in run.log if line.level == "stdout"]
 
 
 @pytest.mark.parametrize(
@@ -62,7 +56,7 @@ def said_in_a_host(script: Path, ros: RosEnvironment) -> list[str]:
 def test_the_same_is_printed(script: Path, worker_id: str = "") -> None:
     try:
         real, portable = RosEnvironment.find(), RosEnvironment.portable()
-    except InputError as error:
+    except NoRos as error:
         pytest.skip(f"nothing to compare with: {error}")
     domain = 60 + os.getpid() % 40
     expected = said(script, list(real.python_path), real.variables(), domain)

@@ -365,3 +365,33 @@ def test_a_late_subscription_hears_all_of_it_at_once_in_every_run(run_node: RunN
         said.append([(m.time, deserialize_message(m.data, String).data) for m in heard])
     right = [(50_000_000 * (k + 1), f"{k} {number}") for k in range(4) for number in range(1, 4)]
     assert said == [right, right]
+
+
+@pytest.mark.parametrize("number, end", [("SIGINT", "KeyboardInterrupt"), ("SIGTERM", "none")])
+def test_a_thread_interrupts_its_own_program(run_node: RunNode, number: str, end: str) -> None:
+    recording = run_node(f"""
+        import os, signal
+        rclpy.init(); node = rclpy.create_node('n')
+        threading.Timer(0.5, os.kill, [os.getpid(), signal.{number}]).start()
+        end = 'none'
+        try: rclpy.spin(node)
+        except KeyboardInterrupt: end = 'KeyboardInterrupt'
+        except rclpy.executors.ExternalShutdownException: pass
+        print(end, round(time.monotonic() - 1000, 1), rclpy.ok())
+    """)
+    assert (end_of(recording), recording.now) == ("returned", pytest.approx(5e8))
+    assert said(recording)[0].split()[::2] == [end, "False"]
+
+
+def test_a_signal_ends_a_pause(run_node: RunNode) -> None:
+    recording = run_node("""
+        import os, signal
+        signal.signal(signal.SIGUSR1, lambda number, frame: print('handled'))
+        threading.Timer(0.5, os.kill, [os.getpid(), signal.SIGUSR1]).start()
+        rclpy.init(); node = rclpy.create_node('n'); rclpy.spin_once(node, timeout_sec=0.1)
+        signal.pause(); print('paused')
+        threading.Timer(0.5, signal.raise_signal, [signal.SIGUSR1]).start()
+        time.sleep(1.0); print('slept')
+    """)
+    assert said(recording) == ["handled", "paused", "handled", "slept"]
+    assert recording.now == pytest.approx(1.5e9)
