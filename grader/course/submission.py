@@ -38,6 +38,7 @@ class Program:
     arguments: tuple[str, ...] = ()  # of its command line, as a launch file has them
     needed: bool = False  # the others end with it
     made: tuple[tuple[str, str], ...] = ()  # files that a launch file writes: name and YAML
+    name: str = ""  # of the executable
 
 
 @dataclass(frozen=True)
@@ -84,13 +85,22 @@ class Submission:
         if self.package is None:
             return (Program(name or self.path.name),)
         if name and name != self.package.main:
-            alone = self.package.main.endswith(LAUNCH)  # without what its launch file says
-            launched = self.package.programs if self.package.folders and not alone else ()
+            launched = self.package.programs if self.package.folders else ()
+            if self.package.main.endswith(LAUNCH):  # alone, without what that says
+                launched = tuple(
+                    Program(p.file, p.entry, name=p.name) for p in self.package.programs
+                )
             every = (*launched, *self.package.every)
-            return next(((each,) for each in every if f"/{each.file}".endswith(f"/{name}")), ())
+            return next(((each,) for each in every if self.plays(each) == name), ())
         rest = tuple(f"/{other}" for other in self.package.others)
         mine = tuple(each for each in self.package.programs if not each.file.endswith(rest))
         return mine or self.package.programs
+
+    def plays(self, program: Program) -> str:
+        """Return which of the exercise's files a program is: by its file's name, or its own."""
+        wanted = (*self.package.others, self.package.main) if self.package else ()
+        names = (PurePosixPath(program.file).name, f"{program.name}.py")
+        return next((name for name in names if name in wanted), program.file)
 
     @contextlib.contextmanager
     def folder(self, without: Collection[str] = ()) -> Iterator[Path]:

@@ -77,7 +77,9 @@ def _with_programs(
     if clash := sorted(above & files.keys()):
         return replace(submission, problem=f"{clash[0]} would be a file and a folder")
     known = {_title(each.package, each.name, answer): each for each in answer.executables}
-    every = tuple(Program(e.file, e.entry) for e in known.values() if e.file in installed)
+    every = tuple(
+        Program(e.file, e.entry, name=e.name) for e in known.values() if e.file in installed
+    )
     problem = answer.unstarted
     if sum(len(word.encode()) for word in words) > MAX_ARGUMENTS:
         problem = f"{launch} gives more arguments than a program can have"
@@ -104,6 +106,7 @@ def _with_programs(
                 told.arguments,
                 told.needed or bool(package.main and each.file.endswith(f"/{package.main}")),
                 tuple(told.made.items()),
+                each.name,
             )
             for each, told in zip(chosen, answer.launched or [Launched("", ())], strict=True)
         )

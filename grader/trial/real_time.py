@@ -96,7 +96,7 @@ def run_live_trial(
             TRIAL_LOCK.held(alone=attempt > 0, shared_network=shared),
             stage(submission, scenario, files=files) as staged,
         ):
-            recorder = Recorder(staged.files)
+            recorder = Recorder(staged.called)
             models = ModelService(scenario, simulation.seed, recorder.delivered, began=None)
             hosts = LiveHosts(
                 forkserver.live, staged.folder, staged.programs, staged.offers,

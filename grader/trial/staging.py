@@ -31,11 +31,7 @@ class Stage:
     folder: Path
     programs: tuple[ProgramStart, ...]
     offers: tuple[Offer, ...]
-
-    @property
-    def files(self) -> list[str]:
-        """The programs' files, below the folder."""
-        return [Path(each.file).relative_to(self.folder).as_posix() for each in self.programs]
+    called: list[str]  # the programs: the exercise's files that they are, or their own
 
 
 @contextlib.contextmanager
@@ -54,8 +50,8 @@ def stage(
             (folder / name).write_text(text, "utf-8")
         for name, content in (files or {}).items():
             (folder / name).write_bytes(content)
-        programs = _programs(scenario, submission, folder, arguments)
-        yield Stage(folder, programs, _offers(scenario))
+        called, programs = _programs(scenario, submission, folder, arguments)
+        yield Stage(folder, programs, _offers(scenario), called)
 
 
 def missing_file(scenario: Scenario, submission: Submission) -> str:
@@ -85,15 +81,17 @@ def parameter_arguments(parameters: Mapping[str, str | bool | int | float]) -> l
 
 def _programs(
     scenario: Scenario, submission: Submission, folder: Path, arguments: Sequence[str]
-) -> tuple[ProgramStart, ...]:
-    """Return the programs to run: the submission's own file, or the scenario's."""
+) -> tuple[list[str], tuple[ProgramStart, ...]]:
+    """Return the programs to run: the submission's own file, or the scenario's; and their names."""
     own = parameter_arguments(scenario.node.parameters)
     for spec in scenario.program:
         if spec.supplied:
             shutil.copyfile(SUPPLIED / spec.file, folder / spec.file)
     programs: list[ProgramStart] = []
+    called: list[str] = []
     for spec in scenario.program or (ProgramSpec(),):
         group = [Program(spec.file)] if spec.supplied else submission.started(spec.file)
+        called += [submission.plays(program) for program in group]
         asked = spec.arguments if spec.supplied else (*own, *spec.arguments, *arguments)
         programs += [
             ProgramStart(
@@ -107,16 +105,16 @@ def _programs(
                 asked={} if spec.supplied else _parameters(asked),
             )
             for number, each in enumerate(group, len(programs))
-            for program in [_played(scenario.node.stand_in, each, folder)]
+            for program in [_played(scenario.node.stand_in, submission, each, folder)]
         ]
-    return tuple(programs)
+    return called, tuple(programs)
 
 
-def _played(stand_in: str, program: Program, folder: Path) -> Program:
+def _played(stand_in: str, submission: Submission, program: Program, folder: Path) -> Program:
     """Return the program; where there is a stand-in, that, under the program's name."""
     if not stand_in:
         return program
-    name = Path(program.file).name
+    name = Path(submission.plays(program)).name
     shutil.copyfile(SUPPLIED / stand_in, folder / name)
     return replace(program, file=name, entry="")
 

@@ -136,7 +136,7 @@ def run_trial(
             stage(submission, scenario, arguments, files) as staged,
             launcher.host(staged.folder) as link,
         ):
-            recorder = Recorder(staged.files, stamped=stamped, most=limits.published)
+            recorder = Recorder(staged.called, stamped=stamped, most=limits.published)
             trial = _Trial(simulation, recorder, link, charged=charge_compute)
             trial.interrupt = interrupt
             start = Start(

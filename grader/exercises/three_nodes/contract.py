@@ -19,7 +19,7 @@ from grader.checks.ahead import HAIR, front_distances
 from grader.checks.case import Allowed, Case, Said, exactly
 from grader.checks.commands import answers, published
 from grader.checks.contract import Contract, Limits
-from grader.recording import Endpoint, Recording, Scan
+from grader.recording import Recording, Scan
 from sim.messages import CMD_VEL_RAW_TOPIC, FLOAT64, TWIST, twist_from_cdr
 
 DRIVER, GUARD, WATCHER = "/shuttle/driver", "/shuttle/guard", "/shuttle/watcher"
@@ -76,16 +76,16 @@ def _graph(recording: Recording, unseen: Collection[str] = ()) -> Iterator[Case]
     """Yield who is there, and who drives; of `unseen` nodes that don't, other checks tell."""
     drivers = [e for e in recording.ends if (e.kind, e.topic) == ("publisher", "/cmd_vel")]
     for tag, wanted, ends in (("nodes", NODES, recording.ends), ("drivers", (GUARD,), drivers)):
-        found = sorted({*map(_named, ends), *(node for node in unseen if node in wanted)})
+        seen = [_named(node, by) for node, by in {(end.node, end.process) for end in ends}]
+        found = sorted([*seen, *(node for node in unseen if node in wanted and node not in seen)])
         what = {"nodes": "the graph", "drivers": "who publishes on /cmd_vel"}[tag]
         allowed: dict[str, Allowed] = {tag: frozenset({", ".join(sorted(wanted))})}
         yield Case(0.0, what, frozenset({tag}), allowed, {tag: ", ".join(found) or "none"})
 
 
-def _named(end: Endpoint) -> str:
-    """Return the node of an end; where another program plays it, that program, too."""
-    mine = NODES.get(end.node) == PurePath(end.process).name
-    return end.node if mine else f"{end.node} of {end.process}"
+def _named(node: str, process: str) -> str:
+    """Return a node; where another program plays it, that program, too."""
+    return node if NODES.get(node) == PurePath(process).name else f"{node} of {process}"
 
 
 def _distances(recording: Recording, told: Told) -> Iterator[Case]:

@@ -143,7 +143,8 @@ def _who_is_there(case: Case) -> str:
     odd = [each for each in found if " of " in each]
     lost = [node for node in NODES if node not in found]
     if not lost:
-        return f"What makes {odd[0]}? Each program starts once, and has one node."
+        more = [*odd, *(each for each in found if found.count(each) > 1), "more than the three"]
+        return f"What makes {more[0]}? Each program starts once, and has one node."
     name, file = lost[0].rpartition("/")[2], NODES[lost[0]]
     if any(each.endswith(f" of {file}") for each in odd):
         return f'It has to be {lost[0]}: namespace="shuttle", and name="{name}" if any.'
