@@ -8,6 +8,7 @@ line may be a link, because it is that person's own.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -38,7 +39,7 @@ class Program:
     arguments: tuple[str, ...] = ()  # of its command line, as a launch file has them
     needed: bool = False  # the others end with it
     made: tuple[tuple[str, str], ...] = ()  # files that a launch file writes: name and YAML
-    name: str = ""  # of the executable
+    name: str = field(default="", compare=False)  # of the executable
 
 
 @dataclass(frozen=True)
@@ -91,10 +92,11 @@ class Submission:
                     Program(p.file, p.entry, name=p.name) for p in self.package.programs
                 )
             every = (*launched, *self.package.every)
-            return next(((each,) for each in every if self.plays(each) == name), ())
+            mine = (e for e in every if f"/{self.plays(e)}".endswith(f"/{name}"))
+            return tuple(itertools.islice(mine, 1))
         rest = tuple(f"/{other}" for other in self.package.others)
-        mine = tuple(each for each in self.package.programs if not each.file.endswith(rest))
-        return mine or self.package.programs
+        main = tuple(each for each in self.package.programs if not each.file.endswith(rest))
+        return main or self.package.programs
 
     def plays(self, program: Program) -> str:
         """Return which of the exercise's files a program is: by its file's name, or its own."""
