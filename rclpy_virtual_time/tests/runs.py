@@ -3,15 +3,13 @@
 import os
 import select
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Twist
 from numpy.typing import NDArray
-from rclpy.serialization import deserialize_message, serialize_message
-from rclpy.time import Time
-from sensor_msgs.msg import LaserScan
+from rosbags.typesys import Stores, get_typestore
 
 from rclpy_virtual_time import Delivery, Discovery, Launcher, Offer, ProgramStart
 from rclpy_virtual_time.link.programs import ProgramsRun, run_programs
@@ -45,13 +43,21 @@ DISCOVERY = Discovery((90 * MS, 130 * MS), 0.08, (MS // 2, 18 * MS), (19 * MS //
 RunNode = Callable[..., ProgramsRun]
 
 
+@cache
+def messages() -> Any:
+    """ROS's messages without ROS, which stays out of this process."""
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
 def scans(until: int) -> Iterator[tuple[int, Delivery]]:
     """Yield what a lidar says, and when it arrives: 13 ms after its stamp."""
+    types, ranges = messages().types, np.array([3.0], np.float32)
     for time in range(0, until - 13 * MS, 100 * MS):
-        scan = LaserScan(ranges=[3.0])
-        scan.header.stamp = Time(nanoseconds=EPOCH + time).to_msg()
-        scan.header.frame_id = "base_scan"
-        yield time + 13 * MS, Delivery("/scan", serialize_message(scan))
+        stamp = types["builtin_interfaces/msg/Time"](*divmod(EPOCH + time, 10**9))
+        header = types["std_msgs/msg/Header"](stamp, "base_scan")
+        scan = types[LIDAR.type](header, *[0.0] * 7, ranges, ranges[:0])
+        data = bytes(messages().serialize_cdr(scan, LIDAR.type))
+        yield time + 13 * MS, Delivery("/scan", data)
 
 
 def run_beside_lidar(
@@ -86,9 +92,10 @@ def times(run: ProgramsRun, topic: str) -> NDArray[np.float64]:
     return np.array([m.time for m in run.published if m.topic == topic]) / 1e9
 
 
-def twists(run: ProgramsRun) -> list[Twist]:
-    """Return the commands for the robot."""
-    return [deserialize_message(m.data, Twist) for m in run.published if m.topic == "/cmd_vel"]
+def sent(run: ProgramsRun, topic: str) -> list[Any]:
+    """Return what programs published on a topic."""
+    said = [m for m in run.published if m.topic == topic]
+    return [messages().deserialize_cdr(m.data, m.type) for m in said]
 
 
 def is_over(handle: int) -> bool:

@@ -4,10 +4,8 @@ Each program here was also run on plain rclpy, where it says and does the same.
 """
 
 import pytest
-from rclpy.serialization import deserialize_message
-from std_msgs.msg import String
 
-from rclpy_virtual_time.tests.runs import RunNode, end_of, said, twists
+from rclpy_virtual_time.tests.runs import RunNode, end_of, said, sent
 
 SPINS = (
     "rclpy.spin(node)",
@@ -30,7 +28,7 @@ def test_shutdown_in_a_callback_ends_the_spinning(run_node: RunNode, spin: str) 
         print('over', rclpy.ok())
     """)
     assert (end_of(recording), said(recording)) == ("returned", ["over False"])
-    assert len(twists(recording)) == 3  # the last one was published before the end
+    assert len(sent(recording, "/cmd_vel")) == 3  # the last one was published before the end
 
 
 # What a program does, how it ends, and what it prints.
@@ -188,7 +186,7 @@ def test_a_twist_said_right_before_shutdown_is_heard_and_none_after_it(run_node:
         node.publisher.publish(twist); rclpy.shutdown()
         node.publisher.publish(twist)
     """)
-    assert [twist.linear.x for twist in twists(recording)] == [0.0, 0.25]
+    assert [twist.linear.x for twist in sent(recording, "/cmd_vel")] == [0.0, 0.25]
     assert end_of(recording) == "exception"
     assert "context is invalid" in recording.ended.text
 
@@ -359,12 +357,13 @@ rclpy.spin(node)
 
 def test_a_late_subscription_hears_all_of_it_at_once_in_every_run(run_node: RunNode) -> None:
     """DDS brings a history from a thread of its own, some real time later."""
-    said = []
+    found = []
     for _ in range(2):
-        heard = [m for m in run_node(LATE, 0.22).published if m.topic == "/heard"]
-        said.append([(m.time, deserialize_message(m.data, String).data) for m in heard])
+        run = run_node(LATE, 0.22)
+        at = [m.time for m in run.published if m.topic == "/heard"]
+        found.append(list(zip(at, (m.data for m in sent(run, "/heard")), strict=True)))
     right = [(50_000_000 * (k + 1), f"{k} {number}") for k in range(4) for number in range(1, 4)]
-    assert said == [right, right]
+    assert found == [right, right]
 
 
 @pytest.mark.parametrize("number, end", [("SIGINT", "KeyboardInterrupt"), ("SIGTERM", "none")])

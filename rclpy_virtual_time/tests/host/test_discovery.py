@@ -16,7 +16,7 @@ from rclpy_virtual_time.tests.runs import (
     run_beside_lidar,
     said,
     scans,
-    twists,
+    sent,
 )  # fmt: skip
 
 HEAD = f"""{PREAMBLE}
@@ -130,7 +130,7 @@ def test_of_later_publishers_some_are_found_too_late(run_node: RunNode) -> None:
         20.0,
     )
 
-    heard = len(twists(recording))
+    heard = len(sent(recording, "/cmd_vel"))
     assert set(said(recording)) == {"1"}  # it has found the robot at once
     assert 160 < heard < 200  # of as many scans
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rclpy_virtual_time.tests.runs import RunNode, end_of, said, scans, times, twists
+from rclpy_virtual_time.tests.runs import RunNode, end_of, said, scans, sent, times
 
 SPINNING = {
     "rclpy.spin": "rclpy.init(); rclpy.spin(Echo())",
@@ -180,5 +180,5 @@ def test_parameters_and_remapping_come_from_the_command_line(run_node: RunNode) 
     arguments = ("--ros-args", "-p", "speed:=0.25", "-r", "__node:=renamed")
     recording = run_node(source, arguments=arguments)
 
-    assert {twist.linear.x for twist in twists(recording)} == {0.25}
+    assert {twist.linear.x for twist in sent(recording, "/cmd_vel")} == {0.25}
     assert {endpoint.node for endpoint in recording.endpoints} == {"/renamed"}

@@ -9,7 +9,7 @@ from rclpy_virtual_time.host.frames import ProgramStart
 from rclpy_virtual_time.link.hosts import ForkServer
 from rclpy_virtual_time.link.programs import ProgramsRun
 from rclpy_virtual_time.link.settings import EPOCH
-from rclpy_virtual_time.tests.runs import PREAMBLE, end_of, run_beside_lidar, said, times, twists
+from rclpy_virtual_time.tests.runs import PREAMBLE, end_of, run_beside_lidar, said, sent, times
 
 READS = "hypothesis.internal.observability"  # reads a clock when it is imported
 SERVER = """
@@ -196,7 +196,7 @@ def test_one_of_several_that_ends_leaves_the_others_alone(
     (note,) = (note for note in recording.notes.values() if note.kind == "ended")
     assert (note.about, note.time / 1e9) == ("spare.py", pytest.approx(when, abs=0.05))
     assert note.more.startswith(why), note
-    assert len(twists(recording)) == 10
+    assert len(sent(recording, "/cmd_vel")) == 10
     words = said(recording)
     assert words[-1] == "['echo', 'mock_robot'] 1"
     assert words[:-1] == (["hi", "bye"] if "bye" in how else [])
