@@ -50,7 +50,7 @@ def asks_once_each(runs: Runs) -> None:
         for number, at in enumerate(sorted(call.asked / 1e9 for call in calls), 1):
             if number > (scans <= at + recording.slack).sum():
                 fail(
-                    f"predict was called for the {number}th time before as many scans had come",
+                    f"call {number} of predict came before as many scans had come",
                     expected="one call of predict for each scan that has features",
                     at=at,
                     recording=recording,

@@ -150,8 +150,8 @@ def test_levels(runs: Runs) -> None:
 def test_raised_calls(runs: Runs) -> None:
     """A call that raises leads to 0.0 and is not counted; one that returns NaN is counted."""
     raises = runs.only(RAISES)
+    asks_once_each(runs)
     predicts(raises, help="A model that raises gives no prediction: 0.0. The next scan is asked.")
     loads_once(raises)
-    asks_once_each(runs)
     help = "Start the clock anew for each call, and append after predict has returned, NaN or not."
     reports(runs, "count", "mean_ms", "max_ms", "missed", help=help)
