@@ -146,6 +146,8 @@ def _ending(recording: Recording) -> str:
         return "the node ran to the end"
     if outcome.by_itself:
         return f"the program ended by itself at {outcome.at:.1f} s"
+    if outcome.kind == "held":
+        return f"nothing was started: {outcome.text}"
     tried = [line for line in outcome.detail.splitlines() if line.startswith(ADVICE)]
     text = outcome.text.removesuffix(f"; {tried[-1].removeprefix(ADVICE)}" if tried else "")
     return f"the node ended at {outcome.at:.1f} s: {outcome.kind.replace('_', ' ')}: {text}"
