@@ -14,6 +14,7 @@ from __future__ import annotations
 import contextlib
 import math
 import os
+import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -270,7 +271,8 @@ class _OwnWire(Wire, Generic[Result]):
     def send(self, frame: object) -> None:
         """Give an answer to the judge; the end of the trial unwinds the program."""
         wall, cpu = self._asked_at
-        computed = real_clock.process_time() - cpu or math.nan  # a browser has no such clock
+        # a browser's clock of CPU time is none
+        computed = math.nan if sys.platform == "emscripten" else real_clock.process_time() - cpu
         cost = Cost.uncounted(real_clock.perf_counter() - wall, computed)
         flush_output()
         if self._end is None:
