@@ -33,6 +33,7 @@ class Answer(msgspec.Struct, frozen=True):
     accepted: bool | None = None  # None: it was asked for descriptors
     reason: str = ""
     described: tuple[Described, ...] = ()
+    there: tuple[str, ...] = ()  # all that the node has, where it was asked for descriptors
 
 
 @dataclass(frozen=True)

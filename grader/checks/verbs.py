@@ -27,6 +27,7 @@ UNITS = {"linear.x": "m/s", "angular.z": "rad/s"}
 USUAL = 0.85  # share of answers that are the same, of a node that does not react
 LEAST_WAY = 0.5  # [m] driven in at least one world
 STILL = 0.05  # [m/s]
+END = "publisher", CMD_VEL_TOPIC
 PATIENCE = 1.5  # [s] that a robot may stand though its way is free
 PUBLISH_ONCE = "Publish once at the end of the callback, whatever the message was."
 KEPT_BACK = "What keeps it back: an early return, a condition, a memory that never fills?"
@@ -54,13 +55,17 @@ def answers_once(runs: Sequence[Recording]) -> None:
             )
         for answer in answers(recording):
             if answer.count != 1:
+                every = [e for e in recording.ends if (e.kind, e.topic) == END]
+                ends = sorted({f"{e.node} ({e.process})" for e in every if answer.count > 1})
                 fail(
                     f"{answer.count} commands followed {answer.what}",
                     expected="exactly one Twist for each scan",
                     actual=f"{answer.count} between this scan and the next",
                     at=answer.scan.t,
                     recording=recording,
-                    help="Look for a timer, a second publish(), or a return before the publish(). "
+                    help=f"{' and '.join(ends)} publish on {CMD_VEL_TOPIC}: one too many."
+                    if ends[1:]
+                    else "Look for a timer, a second publish(), or a return before the publish(). "
                     "A publisher made for each message loses some: others find it too late.",
                 )
 
@@ -212,7 +217,8 @@ def zero(recording: Recording, fields: Iterable[str], help: str) -> None:
 def within(recording: Recording, limits: Limits, help: str = "") -> None:
     """Fail unless every command keeps to the limits of speed and turn rate."""
     between(recording, "linear.x", limits.slowest, limits.fastest, help)
-    between(recording, "angular.z", -limits.turning, limits.turning, help)
+    help = help if limits.turning else "Every field but linear.x stays 0."
+    between(recording, "angular.z", 0.0 - limits.turning, limits.turning, help)
 
 
 def between(recording: Recording, field: str, least: float, most: float, help: str) -> None:

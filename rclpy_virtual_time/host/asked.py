@@ -52,4 +52,4 @@ def _is(value: Any, text: str) -> bool:
     if isinstance(read, list):
         return hasattr(value, "__iter__") and list(value) == read
     doubtful = isinstance(read, str) and not isinstance(value, str)  # 1e3, y
-    return doubtful or str(value) == text or value == read
+    return doubtful or str(value) in (text, str(read)) or value == read

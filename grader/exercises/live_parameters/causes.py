@@ -1,11 +1,13 @@
-"""What the answers to orders show, for exercise 10: a range of another type, a step, no answer."""
+"""What the answers to orders show, for exercise 10: who answers, and what lies behind a no."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from grader.checks.parameters import orders
+from grader.checks.parameters import SETTER, orders
 from grader.checks.verdict import Evidence, Trials
+from grader.exercises.live_parameters.contract import RANGES
+from grader.recording import Recording
 
 LETS_ALL_IN = ("declared", "refused", "all_or_none", "limits_hold")
 LETS_NONE_IN = ("takes_effect", "refused", "pairs", "all_or_none")
@@ -21,17 +23,33 @@ IGNORED = (
     "ignores: nothing is refused by it. A double takes "
     "floating_point_range=[FloatingPointRange(from_value=…, to_value=…)]."
 )
+SILENT = 'in {} “{}” is refused without a reason: SetParametersResult(successful=False, reason="…")'
+ASTRAY = "no node is called /{}, so nobody answers what is asked of it. There is {}: is it renamed?"
+ABSENT = "the node declares no {}. What it declares: {}."
 
 
 def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
-    """Return what rclpy or the descriptors say, where checks failed that it explains."""
-    for run in trials.values():
-        for answer in (order.answer for order in orders(run) if order.answer):
-            said = [IGNORED.format(about.name[:40]) for about in answer.described if about.ignored]
-            reasons = [text for part, text in REASONS.items() if part in answer.reason]
-            said += [f"in {run.name} {text.format(answer.reason[:120])}" for text in reasons]
-            names = LETS_NONE_IN if answer.reason else LETS_ALL_IN
-            explained = [check for check in failed if check in names]
-            if said and explained:
-                return Evidence(said[0], explains=explained)
+    """Return what names, rclpy or the descriptors say, where checks failed that it explains."""
+    for text, names in (each for run in trials.values() for each in _said(run)):
+        if explained := [check for check in failed if not names or check in names]:
+            return Evidence(text, explains=explained)
     return None
+
+
+def _said(run: Recording) -> Iterator[tuple[str, Sequence[str]]]:
+    """Yield what a run shows, and the checks that it explains; () for all."""
+    asked = [each.arguments[0] for each in run.scenario.program if each.file == SETTER]
+    nodes = sorted({end.node for end in run.ends})
+    if nodes and asked and f"/{asked[0]}" not in nodes:
+        yield ASTRAY.format(asked[0], " and ".join(nodes)), ()
+    for order, answer in ((each, each.answer) for each in orders(run) if each.answer):
+        if absent := [name for name in RANGES if answer.there and name not in answer.there]:
+            there = (name for name in answer.there if name != "use_sim_time")
+            yield ABSENT.format(" and no ".join(absent), ", ".join(there)[:200]), ()
+        ignored = [IGNORED.format(d.name[:40]) for d in answer.described if d.ignored]
+        yield from ((text, LETS_ALL_IN) for text in ignored)
+        for part, text in REASONS.items():
+            if part in answer.reason:
+                yield f"in {run.name} {text.format(answer.reason[:120])}", LETS_NONE_IN
+        if answer.accepted is False and not answer.reason.strip():
+            yield SILENT.format(run.name, order.text), LETS_NONE_IN

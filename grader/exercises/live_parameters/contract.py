@@ -11,7 +11,7 @@ atomically  an order by `set_parameters_atomically`: all or none
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 
@@ -30,9 +30,7 @@ RANGES = {"cruise_speed": (0.0, 0.5), "stop_distance": (0.3, 2.0), "slow_distanc
 DEFAULTS: Settings = {"cruise_speed": 0.3, "stop_distance": 0.5, "slow_distance": 1.0}
 DOUBLE = 3  # of rcl_interfaces/msg/ParameterType
 FREE = free_from(0.55)
-CONTRACT = Contract(
-    free=FREE,
-)
+CONTRACT = Contract(free=FREE)
 SET = "/live_parameters_agent/set_parameters"
 UNSAFE = (
     "Is every value of the command line checked, its type, its range, and whether the two distances"
@@ -56,12 +54,9 @@ def cases(recording: Recording) -> list[Case]:
     values by which most of its answers are right.
     """
     ways = (list(_cases(recording, start)) for start in _starts(recording.scenario.node.parameters))
-    best = max(ways, key=_right_until)
+    wrong = (([c.at for c in way if c.wrong(TOLERANCE)], way) for way in ways)
+    _, best = max(wrong, key=lambda each: min(each[0], default=math.inf))
     return sorted(best, key=lambda case: case.at)
-
-
-def _right_until(found: Sequence[Case]) -> float:
-    return min((case.at for case in found if case.wrong(TOLERANCE)), default=math.inf)
 
 
 def _starts(given: Settings) -> Iterator[Settings]:

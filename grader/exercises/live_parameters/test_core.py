@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
-from grader.checks.verbs import answers_once, follows, keeps_distance, wired, within
+from grader.checks.verbs import (
+    answers_once,
+    follows,
+    keeps_distance,
+    require_allowed,
+    wired,
+    within,
+)
 from grader.exercises.live_parameters.contract import CONTRACT, SET, starts_safely
 
-WRONG = (
-    "fast", "near", "whole", "true", "list", "text", "nan", "never", "inf", "pair", "half_a_pair"
-)  # fmt: skip
-STARTS = tuple(f"live_start_{what}" for what in WRONG)
+WRONG = "fast near whole true list text nan never inf pair half_a_pair"
+STARTS = tuple(f"live_start_{what}" for what in WRONG.split())
+HELD = "live_defaults", "live_wall"
 NODE = SET.rpartition("/")[0]
 
 
@@ -23,7 +29,7 @@ def test_wiring(runs: Runs) -> None:
 @check(points=10, asks=WIRING, task=2, scenarios=("live_changed",), hint="2.1")
 def test_declared(runs: Runs) -> None:
     """Each parameter is a double, with its range and a description."""
-    help = "ros2 param describe shows what a ParameterDescriptor says."
+    help = "A ParameterDescriptor has a description, and, for a double, a floating_point_range."
     follows(runs, "describe", topic=f"{NODE}/describe_parameters", help=help)
 
 
@@ -44,6 +50,7 @@ def test_started(runs: Runs) -> None:
 @check(points=15, asks=STATE, task=4, scenarios=("live_changed",), hint="4.1")
 def test_takes_effect(runs: Runs) -> None:
     """A value that is set while the node runs counts from the next scan on."""
+    answers_once(runs)
     follows(runs, "accept", topic=SET, help="Does your check return successful=True?")
     follows(runs, "scan", help="Where does the value come from that this decision used?")
 
@@ -51,7 +58,10 @@ def test_takes_effect(runs: Runs) -> None:
 @check(points=15, asks=SAFETY, task=5, scenarios=("live_refused",), hint="5.1")
 def test_refused(runs: Runs) -> None:
     """What is out of range or no double is refused, with a reason, and changes nothing."""
-    help = "NaN is in no range, and compares as False; 2 is an integer, and no double."
+    help = "NaN is in no range; 2, true and words are no doubles: rclpy lets dynamic_typing's pass."
+    for recording, case in runs.cases("refuse"):
+        if case.count:  # first what it let in, then how that ended it
+            require_allowed(recording, case, help, topic=SET)
     follows(runs, "refuse", "accept", topic=SET, help=help)
     follows(runs, "scan", help="It said no: so the old value still counts.")
 
@@ -72,9 +82,10 @@ def test_all_or_none(runs: Runs) -> None:
     follows(runs, "scan", help="A check that also changes the node does so before others say no.")
 
 
-@check(points=15, asks=SAFETY, task=6, scenarios=(*STARTS, "live_wall"), hint="6.1")
+@check(points=15, asks=SAFETY, task=6, scenarios=(*STARTS, *HELD), hint="6.1")
 def test_limits_hold(runs: Runs) -> None:
     """Whatever is set, at the start or later: at most 0.5 m/s, 0 below 0.3 m, by allowed values."""
     starts_safely(runs.only(*STARTS))
-    within(runs["live_wall"], CONTRACT.limits, "min(…, FASTEST) costs nothing.")
+    for name in HELD:
+        within(runs[name], CONTRACT.limits, "min(…, FASTEST) costs nothing.")
     keeps_distance(runs.only("live_wall"))

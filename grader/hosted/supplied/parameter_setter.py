@@ -57,8 +57,10 @@ class ParameterSetter(Node):  # type: ignore[misc]
     def tell(self, number: int, text: str, answer: Any) -> None:
         """Log and publish the node's answer: of several values set each by itself, each answer."""
         if hasattr(answer, "descriptors"):
-            described = [_described(each) for each in answer.descriptors]
-            self.publish({"order": number, "described": described})
+            said = {"order": number, "described": [_described(each) for each in answer.descriptors]}
+            self.client.list_parameters().add_done_callback(
+                lambda done: self.publish(said | {"there": done.result().result.names})
+            )
             return
         results = [answer.result] if hasattr(answer, "result") else answer.results
         for i, (part, result) in enumerate(zip(text.split(", "), results, strict=False)):

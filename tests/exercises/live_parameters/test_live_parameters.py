@@ -45,16 +45,19 @@ def test_an_expected_value_is_said_once() -> None:
         ({"accepted": False, "reason": "not close to a valid step"}, "takes_effect", "Leave step"),
         ({"accepted": False, "reason": "returned an invalid type"}, "pairs", "on every path"),
         ({"accepted": False, "reason": "returned an invalid type"}, "wiring", ""),
+        ({"accepted": False, "reason": " "}, "pairs", "without a reason"),
+        ({"there": ["max_speed"]}, "started", "no slow_distance. What it declares: max_speed"),
+        ({"node": "/driver"}, "started", "There is /driver"),
     ],
 )
 def test_what_ros_says_is_a_cause(answer: dict[str, Any], failed: str, said: str) -> None:
     about = {"type": 3, "limits": [], "description": "speed"}
     described = [{"name": n, "ignored": i, **about} for n, i in answer.pop("described", ())]
+    ends = (SimpleNamespace(node=answer.pop("node", "/node")),)
     text = json.dumps({"order": 0, "described": described, **answer})
     program = SimpleNamespace(file=SETTER, arguments=("node", "0.5 speed:=0.1"))
     scenario = SimpleNamespace(program=(program,))
-    run: Any = SimpleNamespace(
-        name="live_changed", live=None, scenario=scenario, published=[string(ANSWERS, 0, text)]
-    )
+    run: Any = SimpleNamespace(name="live_changed", live=None, scenario=scenario, ends=ends)
+    run.published = [string(ANSWERS, 0, text)]
     found = causes.seen({"live_changed": run}, [failed])
     assert said in (found.text if found else "") and bool(found) == bool(said)

@@ -15,6 +15,7 @@ from grader.trial.virtual_time import run_trial
 from rclpy_virtual_time.link.hosts import ForkServer
 
 ASKED = ("--ros-args", "-p", "word:=mine")
+NUMBER = ("--ros-args", "-p", "number:=.nan")
 WILD = "/**:\n  ros__parameters: {word: 3}\n"  # of another type: rclpy takes integers first
 EXACT = "/a/node:\n  ros__parameters: {word: exact}\n/*/node:\n  ros__parameters: {word: star}\n"
 BEFORE = (  # what a launch file may say of a parameter
@@ -50,12 +51,14 @@ NODES = {
     f"rclpy.init(args=[])\nnode = Node('n')\n{DECLARES}": "/n did not get what was asked for: word "
     "('own', not mine); ",
     f"rclpy.init()\nnode = Node('n')\n{DECLARES}": "",
+    "rclpy.init()\nnode = Node('n')\nnode.declare_parameter('number', 0.5)": "",
 }
 
 
 @pytest.mark.parametrize("source", NODES)
 def test_what_does_not_arrive_is_said(source: str, run_node: RunNode) -> None:
-    recording = run_node(f"{source}\nrclpy.spin(node)", short(0.2), arguments=ASKED)
+    arguments = NUMBER if "number" in source else ASKED
+    recording = run_node(f"{source}\nrclpy.spin(node)", short(0.2), arguments=arguments)
     assert recording.outcome.completed, recording.outcome
     said = noted_of(recording)
     assert len(said) == bool(NODES[source])
