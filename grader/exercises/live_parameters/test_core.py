@@ -37,7 +37,7 @@ def test_declared(runs: Runs) -> None:
 def test_defaults(runs: Runs) -> None:
     """With the defaults: 0.3 m/s, 0.15 m/s below 1.0 m, 0 below 0.5 m and blind; once a scan."""
     answers_once(runs)
-    help = "0.5 m and 1.0 m themselves are not nearer; nothing usable ahead: 0.0, at any speed."
+    help = "d: ±90°, and +inf is free; nothing usable: 0.0, at any speed. 0.5 m is not below 0.5 m."
     follows(runs, "scan", help=help)
 
 
