@@ -124,15 +124,15 @@ def _described(order: Order) -> Iterator[Case]:
     for name, (least, greatest) in RANGES.items():
         allowed: dict[str, Allowed] = {
             "type": frozenset({"double"}),
-            "least": exactly(least),
-            "greatest": exactly(greatest),
+            "from_value": exactly(least),
+            "to_value": exactly(greatest),
             "description": frozenset({"given"}),
         }
         said: dict[str, float | str] = {}
         if name in there:
             about = there[name]
             said = {"type": "double" if about.type == DOUBLE else "another"}
-            said |= dict(zip(("least", "greatest"), about.limits, strict=False))
+            said |= dict(zip(("from_value", "to_value"), about.limits, strict=False))
             said["description"] = "given" if about.description.strip() else "none"
         yield Case(order.at, name, frozenset({"describe"}), allowed, said, len(said))
 

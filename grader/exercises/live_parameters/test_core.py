@@ -58,20 +58,20 @@ def test_takes_effect(runs: Runs) -> None:
 @check(points=15, asks=SAFETY, task=5, scenarios=("live_refused",), hint="5.1")
 def test_refused(runs: Runs) -> None:
     """What is out of range or no double is refused, with a reason, and changes nothing."""
-    help = "NaN is in no range; 2, true and words are no doubles: rclpy lets dynamic_typing's pass."
+    help = "NaN is in no range. 2, true and a word are no doubles; dynamic_typing lets them in."
     for recording, case in runs.cases("refuse"):
         if case.count:  # first what it let in, then how that ended it
             require_allowed(recording, case, help, topic=SET)
     follows(runs, "refuse", "accept", topic=SET, help=help)
-    follows(runs, "scan", help="It said no: so the old value still counts.")
+    follows(runs, "scan", help="After a no the old value counts, after a yes the new one.")
 
 
 @check(points=10, asks=DECISION, task=5, scenarios=("live_pairs",), hint="5.2")
 def test_pairs(runs: Runs) -> None:
     """A slow_distance below the stop_distance is refused, whichever of them is set."""
-    help = "Compare what the two would be afterwards: the new value if there is one, or the old."
+    help = "Compare the two as they would be: the new value, or else the old; a no changes none."
     follows(runs, "refuse", "accept", topic=SET, help=help)
-    follows(runs, "scan", help="It said no: so both old values still count.")
+    follows(runs, "scan", help="After a no both old values count, after a yes what was set.")
 
 
 @check(points=10, asks=STATE, task=5, scenarios=("live_together",), hint="5.3")
