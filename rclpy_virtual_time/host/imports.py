@@ -217,7 +217,7 @@ class Imports:
             return None
         module = self._aside[name]
         spec = self._find_elsewhere(name, path, target)
-        if spec is not None and _origin(module) != spec.origin:
+        if spec is not None and self._is_other(module, spec):
             for other in [n for n in self._aside if f"{n}.".startswith(f"{name}.")]:
                 del self._aside[other]
             return spec
@@ -326,7 +326,12 @@ class Imports:
 
     def _is_another(self, name: str) -> bool:
         spec = self._find_elsewhere(name)
-        return spec is not None and spec.origin != _origin(self._aside[name])
+        return spec is not None and self._is_other(self._aside[name], spec)
+
+    def _is_other(self, module: ModuleType, spec: Any) -> bool:
+        """Return whether a file holds another module than the host's, not a second copy of it."""
+        mine, origin = str(_origin(module)), str(spec.origin)
+        return mine != origin and (self.is_beside(origin) or not mine.startswith(f"{ROOT}/"))
 
     def is_beside(self, file: str) -> bool:
         """Return whether a file lies in a program's folder."""

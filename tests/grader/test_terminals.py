@@ -163,6 +163,7 @@ def test_a_terminal_in_ascii_gets_ascii() -> None:
 WRITERS = {
     "grader/report/echo.py": "the one way",
     "grader/report/terminal.py": "the one console",
+    "grader/hosted/supplied/": "in a host, whose output the judge takes",
     "grader/drive/summary.py": "each line is made printable",
     "grader/notebook/": "into notebooks, through `plain`",
     "rclpy_virtual_time/testing/virtual_time.py": "its output is made readable",

@@ -78,7 +78,7 @@ def test_what_it_holds_grades_a_submission(made: Path, tmp_path: Path) -> None:
 
     assert done.returncode == 0, done.stdout + done.stderr
     found = json.loads((tmp_path / "results" / "results.json").read_bytes())
-    assert found["score"] == 100
+    assert found["score"] == 100, found["output"]
     assert "Goal seeking: 0 of 100 points" in found["output"]
 
 

@@ -12,7 +12,7 @@ from grader.course.submission import Submission
 from grader.recording import Recording
 from grader.trial import virtual_time as trial_module
 from grader.trial.virtual_time import Limits, run_trial
-from rclpy_virtual_time.link import pipes
+from rclpy_virtual_time.link import exchange, pipes
 from sim.messages import TWIST_STAMPED
 from sim.scenario import ProgramSpec
 
@@ -167,6 +167,7 @@ def test_what_a_busy_machine_keeps_from_a_trial_does_not_count(
 ) -> None:
     monkeypatch.setattr(trial_module, "BUSY", 1e9)
     monkeypatch.setattr(pipes, "UNEXPLAINED", -1.0)
+    monkeypatch.setattr(exchange, "UNEXPLAINED", -1.0)
     monkeypatch.setattr(pipes.Pipes, "_queued", lambda _: 1e3)
 
     assert drive(run_node, "0.3", limits=NO_TIME).outcome.completed
