@@ -206,7 +206,8 @@ def _fail_missing(recording: Recording, wanted: Wanted, every: list[Endpoint]) -
     advice = f"Create it in the constructor: self.create_{kind}(…)."
     if near:
         problem += f", but one on {near[0]}"
-        advice = f"Is {near[0]} misspelt? It is {name}."
+        how = "in a namespace, remapped, or " if near[0].endswith(name) else ""
+        advice = f"Is {near[0]} {how}misspelt? It is {name}."
         if recording.scenario.node.stand_in:  # the programs are ours
             advice = REMAPPED
     elif others:
