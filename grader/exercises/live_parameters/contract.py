@@ -122,12 +122,8 @@ def _described(order: Order) -> Iterator[Case]:
     """Yield the occasion of each parameter: it is a double with a range and a meaning."""
     there = {each.name: each for each in order.answer.described} if order.answer else {}
     for name, (least, greatest) in RANGES.items():
-        allowed: dict[str, Allowed] = {
-            "type": frozenset({"double"}),
-            "from_value": exactly(least),
-            "to_value": exactly(greatest),
-            "description": frozenset({"given"}),
-        }
+        allowed: dict[str, Allowed] = {"type": frozenset({"double"}), "from_value": exactly(least)}
+        allowed |= {"to_value": exactly(greatest), "description": frozenset({"given"})}
         said: dict[str, float | str] = {}
         if name in there:
             about = there[name]
