@@ -35,7 +35,7 @@ TYPED = {  # after the reference; where nothing is said, the first three mutants
     "safety_supervisor": ("raises_on_nan", "no_obstacle", "silent_when_stale"),
     "model_formats": ("suffix_within", "features_in_another_order", "nan_slips_through"),
     "latency_monitor": ("all_calls_ever", "dies_without_a_model", "missed_ever"),
-    "live_parameters": ("read_once", "clips", "each_by_itself"),
+    "live_parameters": ("read_once", "narrow_cone", "each_by_itself"),
     "three_nodes": ("two_guards", "past_the_guard", "nan_gets_through"),
 }
 SLUG = "obstacle_avoidance"

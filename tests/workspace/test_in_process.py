@@ -35,7 +35,7 @@ GRADED = [
     "model_server/mutant/dies_of_the_other_exceptions",
     "model_server/mutant/constructor_waits",
     "model_formats/mutant/suffix_within",
-    "live_parameters/mutant/clips",
+    "live_parameters/mutant/narrow_cone",
     "three_nodes/mutant/two_guards",
 ]
 if os.environ.get("COURSE_PAGE") == "full":  # hours; -k avoidance takes one exercise
