@@ -95,6 +95,13 @@ IMPORTS = {  # names: the line that brings them
     "Trigger|SetBool": r"from std_srvs.srv import \1",
     "Odometry": r"from nav_msgs.msg import \1",
     "Node": r"from rclpy.node import \1",
+    "SetParametersResult|ParameterDescriptor|FloatingPointRange|IntegerRange|ParameterType":
+        r"from rcl_interfaces.msg import \1",
+    "ExternalShutdownException|MultiThreadedExecutor": r"from rclpy.executors import \1",
+    "ReentrantCallbackGroup|MutuallyExclusiveCallbackGroup":
+        r"from rclpy.callback_groups import \1",
+    "QoSProfile|ReliabilityPolicy|DurabilityPolicy|qos_profile_sensor_data":
+        r"from rclpy.qos import \1",
 }  # fmt: skip
 FROM = {names: line for names, line in IMPORTS.items() if line.startswith("from")}
 MODULES = "math|time|json|random|statistics|threading|pickle|onnxruntime|numpy|torch|keras|joblib"

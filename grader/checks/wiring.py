@@ -32,8 +32,8 @@ NO_NODE = (
 )
 SURVIVES = "The node survives every message that it gets."
 REMAPPED = (
-    "In each pair of remappings the program's own name stands first, as it stands there, without a "
-    "slash; then the name to reach. What a pair names otherwise, it passes over in silence."
+    "Its remapping is missing, or names something else: in each pair the program's own name stands "
+    "first, as it stands there, without a slash; then the name to reach."
 )
 KINDS = {
     "publish": "publisher",

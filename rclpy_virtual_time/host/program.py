@@ -94,6 +94,8 @@ def _leave(session: Session, program: ProgramStart, text: str, detail: str = "")
     if session.ending or not program.spared or not session.programs.go_on():
         return False
     name, now = Path(program.file).name, max(0, session.kernel.now)
+    if len(text) > Note.MAX_NAME:  # rcl's own words are long; place and advice stand at the end
+        text = f"{text[:90]} … {text[93 - Note.MAX_NAME :]}"
     session.note(Note("ended", name, program.entry, time=now, more=text))
     trace = detail if detail.startswith("Traceback ") else detail.partition("\n\n")[2]
     print(trace, end="", file=sys.stderr)  # without the advice before it

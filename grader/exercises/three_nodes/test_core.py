@@ -29,6 +29,7 @@ from sim.messages import CMD_VEL_RAW_TOPIC, CMD_VEL_TOPIC, TWIST
 LAUNCH, BENCH, WALL = "shuttle_launch", "shuttle_bench", "shuttle_wall"
 WATCHER, DRIVER, GUARD = "shuttle_watcher", "shuttle_driver", "shuttle_guard"
 CHAIN = "No distance, no wish, no speed: where does the chain go on?"
+EACH_TICK = "Does each tick publish, 0.0 for an old wish too? create_timer takes seconds: 0.05."
 RAW, DISTANCE = "/shuttle/cmd_vel_raw", "/shuttle/distance"
 
 
@@ -91,7 +92,7 @@ def test_limits(runs: Runs) -> None:
 @check(points=10, asks=TIMING, task=6, scenarios=(GUARD,), needs=("limits",), hint="6.2")
 def test_silence(runs: Runs) -> None:
     """The guard speaks 20 times a second, and says 0 when the newest wish is 0.5 s old."""
-    every(runs[0], "/cmd_vel", 0.05, 0.01, begin=0.2, help="create_timer takes seconds: 0.05.")
+    every(runs[0], "/cmd_vel", 0.05, 0.01, begin=0.2, help=EACH_TICK)
     follows(runs, "old", help="Without a new wish, what does your timer publish?")
 
 

@@ -10,6 +10,10 @@ from grader.grading.causes.cause import ByName, Cause, Failed, hint_on, sentence
 from grader.recording import Outcome, death_of
 
 UNWIRED = re.compile(r"there is (no|an?) \w+ (of \S+ )?on /|the (publisher|subscription) o[nf] /")
+UNREAD_FILE = (
+    "{} ends at once, because {} can't be read: {}. Below the node's name stands ros__parameters:, "
+    "two spaces deeper, and below that the parameters, two spaces deeper again."
+)
 WIRED = "wiring"  # in the names of the checks that every other one needs
 
 
@@ -22,10 +26,12 @@ def cause_of_end(exercise: Exercise, failed: Sequence[Failed], trials: ByName) -
     first = failed[0]
     if (run := trials.get(first.scenario or "")) is not None and run.outcome.completed:
         for note in run.notes:
-            line = re.search(r"line (\d+)", note.more)
+            line = re.search(r"\(line (\d+), in ", note.more)
             if note.kind == "ended" and line:
                 where = f"line {line[1]} of {note.about}"
                 text = f"{note.about} ended at {note.time / 1e9:.1f} s: {note.more}"
+                if wrong := re.search(r"file: '.{0,20}?([\w.]+\.yaml)'\. Error: ([^,]+)", text):
+                    where, text = "", UNREAD_FILE.format(note.about, *wrong.groups())
                 return Cause.of(exercise, text, [first], where=where)
     if WIRED in first.id or (first.kind == "core" and _ended(first, trials)):
         return Cause.of(exercise, _said(first), [first], where=first.where)
