@@ -6,6 +6,7 @@ folder, and which of them are run; every path in it is checked against what was 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
@@ -15,6 +16,8 @@ from grader.course.beside import MAX_FILES, PYTHON, listed, may_come
 from grader.course.submission import LAUNCH, Package, Program, Submission, read_regular_file
 from rclpy_virtual_time import Excess, HostDied, HostForged, HostHung, Launcher
 
+OTHER_LAUNCH = re.compile(r"launch\.(xml|ya?ml)$|(^|/)launch/[^/]+\.(xml|ya?ml)$")
+ONLY_PYTHON = "of launch files only those in Python are read here"
 LIMIT = 20.0  # [s] for setup.py and a launch file
 MAX_ARGUMENTS = 1024 * 1024  # [bytes] of all programs, half of what Linux takes
 
@@ -80,13 +83,15 @@ def _with_programs(
     every = tuple(
         Program(e.file, e.entry, name=e.name) for e in known.values() if e.file in installed
     )
+    others = [] if launch else [name for name in there if OTHER_LAUNCH.search(name)]
+    unread = [f"{name}: {ONLY_PYTHON}" for name in others]
     problem = answer.unstarted
     if sum(len(word.encode()) for word in words) > MAX_ARGUMENTS:
         problem = f"{launch} gives more arguments than a program can have"
     unstarted = replace(
         submission,
         beside=files,
-        left=(*submission.left, *filter(str.isprintable, answer.notes)),
+        left=(*submission.left, *filter(str.isprintable, (*answer.notes, *unread))),
         package=replace(package, every=every, problem=problem, held=answer.held),
     )
     if problem:
@@ -112,6 +117,11 @@ def _with_programs(
         )
     except LookupError as error:
         problem = _no_program(error, answer, launch, there)
+        if not launch and others:
+            problem = f"{listed(others)}: {ONLY_PYTHON}"
+            return replace(
+                unstarted, package=replace(package, every=every, problem=problem, held=True)
+            )
         if not launch:
             return replace(submission, problem=problem)
         return replace(unstarted, package=replace(package, every=every, problem=problem))
@@ -177,7 +187,7 @@ def _no_program(
         also = f"a launch file ({listed(launches)}), or " if launches else ""
         return (
             f"which program is to be started? Give `course` {also}an entry point as "
-            f"PACKAGE_FOLDER/NAME ({names}); of launch files only those in Python are read here"
+            f"PACKAGE_FOLDER/NAME ({names}); {ONLY_PYTHON}"
         )
     return f"no entry point of the package leads to {wanted}; setup.py has: {names}"
 

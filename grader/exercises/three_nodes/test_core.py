@@ -63,6 +63,13 @@ def test_parameters(runs: Runs) -> None:
     for recording, case in runs.cases("given"):
         what = f"the launch file does not give the {_owner(case.what)} its {case.what}"
         _require(recording, case, what, _which_parameter)
+    for note in runs[LAUNCH].notes:
+        if note.kind == "sim_time" and not note.more:
+            fail(
+                f"{note.about} has use_sim_time, and nothing publishes /clock",
+                help="On a robot its time stands at 0 then, and its timers never fire. Leave it out.",
+                recording=runs[LAUNCH],
+            )
 
 
 @check(points=10, asks=DECISION, task=4, scenarios=(WATCHER,), needs=(), hint="4.1")

@@ -236,6 +236,21 @@ def test_without_a_launch_file_the_program_that_is_meant(
     assert submission.path == tmp_path / "mine" / "two.py"
 
 
+def test_launch_files_that_are_not_in_python_are_left_to_a_person(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    """Where the program is known without, the report only says that they were not read."""
+    lay(tmp_path, {**MINE, "launch/all.launch.xml": "<launch/>"})
+    one, several = (
+        unpacked(find_submission(tmp_path, name), forkserver) for name in ("two.py", "robot.py")
+    )
+    said_of_it = "launch/all.launch.xml: of launch files only those in Python are read here"
+    assert one.package is not None and not one.package.problem
+    assert said_of_it in one.left
+    assert several.package is not None and several.package.held
+    assert several.package.problem == said_of_it
+
+
 def test_a_scenario_names_a_program_of_a_package(forkserver: ForkServer, tmp_path: Path) -> None:
     lay(tmp_path, MINE)
     submission = unpacked(find_submission(tmp_path / "mine" / "one.py"), forkserver)
