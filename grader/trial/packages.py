@@ -86,6 +86,14 @@ def _with_programs(
     others = [] if launch else [name for name in there if OTHER_LAUNCH.search(name)]
     unread = [f"{name}: {ONLY_PYTHON}" for name in others]
     problem = answer.unstarted
+    if (
+        package.main.endswith(LAUNCH)
+        and package.folders
+        and launch not in ("", *answer.files.values())
+    ):
+        problem = (
+            problem or f"`ros2 launch` does not find {launch}: setup.py's data_files leave it out"
+        )
     if sum(len(word.encode()) for word in words) > MAX_ARGUMENTS:
         problem = f"{launch} gives more arguments than a program can have"
     unstarted = replace(

@@ -67,7 +67,7 @@ def test_parameters(runs: Runs) -> None:
         if note.kind == "sim_time" and not note.more:
             fail(
                 f"{note.about} has use_sim_time, and nothing publishes /clock",
-                help="On a robot its time stands at 0 then, and its timers never fire. Leave it out.",
+                help="On a robot its time stands at 0 then, and no timer fires. Leave it out.",
                 recording=runs[LAUNCH],
             )
 

@@ -251,6 +251,17 @@ def test_launch_files_that_are_not_in_python_are_left_to_a_person(
     assert several.package.problem == said_of_it
 
 
+@pytest.mark.parametrize(("main", "refused"), [("robot_launch.py", True), ("two.py", False)])
+def test_a_launch_file_that_is_not_installed_is_none_where_it_is_the_task(
+    main: str, refused: bool, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    launch = INNER.replace('t("word")', 't("word", default_value="so")')
+    lay(tmp_path, {**MINE, "all.launch.py": launch})
+    submission = unpacked(find_submission(tmp_path, main), forkserver)
+    assert submission.package is not None
+    assert ("does not find all.launch.py" in submission.package.problem) == refused
+
+
 def test_a_scenario_names_a_program_of_a_package(forkserver: ForkServer, tmp_path: Path) -> None:
     lay(tmp_path, MINE)
     submission = unpacked(find_submission(tmp_path / "mine" / "one.py"), forkserver)
