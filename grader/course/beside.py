@@ -22,6 +22,8 @@ NAMED = 6  # files in a sentence
 NOT_THEIRS = {"__MACOSX", "__pycache__", "node_modules", "venv", "site-packages"}
 MADE = ("COLCON_IGNORE", "pyvenv.cfg")  # in colcon's build, install and log; in an environment
 OURS = {"mutants.toml", "design.md"}  # beside a solution of the course's own
+COURSE = ("grader", "sim", "rclpy_virtual_time", "rclpy_portable")  # where it lies there itself
+ITSELF = Path("grader") / "course" / "beside.py"
 SETUP = "setup.py"
 MANUALS = (".md", ".rst")  # read by a setup.py beside them, for `long_description`
 READ_BY_NOBODY = (".pdf", ".html", ".ipynb", ".zip", ".tar", ".tgz", ".mcap", ".db3")
@@ -108,6 +110,8 @@ def _listed(top: Path, links: list[str]) -> Iterator[Lying]:
         try:
             with os.scandir(folder) as found:
                 entries = sorted(found, key=lambda entry: entry.name)
+                if (folder / ITSELF).is_file():
+                    entries = [entry for entry in entries if entry.name not in COURSE]
         except OSError:
             continue
         names = {entry.name for entry in entries}

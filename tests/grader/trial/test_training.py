@@ -27,16 +27,16 @@ time_limit = 2.0
 ARGUMENTS = "import sys\ndata, out, onnx = sys.argv[2::2]\n"
 
 
-def train(forkserver: ForkServer, folder: Path, script: str | None) -> Trained:
+def train(forkserver: ForkServer, folder: Path, script: str | None, limit: float = 2.0) -> Trained:
     (folder / "node.py").write_text("pass\n")
     if script is not None:
         (folder / "train.py").write_text(ARGUMENTS + script)
     submission = find_submission(folder, "node.py", ["train.py"])
-    return run_training(submission, short(), forkserver)
+    return run_training(submission, short(limit), forkserver)
 
 
-def short() -> Scenario:
-    return scenario_from_toml(SHORT, "short")
+def short(limit: float = 2.0) -> Scenario:
+    return scenario_from_toml(SHORT.replace("2.0", f"{limit}"), "short")
 
 
 def test_a_missing_script_is_named(forkserver: ForkServer, tmp_path: Path) -> None:
@@ -127,7 +127,7 @@ def test_what_the_converter_cannot_write_is_still_a_pickle(
     forkserver: ForkServer, tmp_path: Path
 ) -> None:
     """Boosted trees compute in threads of OpenMP, which a forked process may hang on."""
-    training = train(forkserver, tmp_path, BOOSTED).recording.training
+    training = train(forkserver, tmp_path, BOOSTED, limit=60.0).recording.training
     assert training is not None
     assert (training.made.kind, training.plain, len(training.runs)) == ("exception", None, 2)
     assert (training.pickle.problem, training.pickle.shape) == ("", (100,))
