@@ -226,7 +226,7 @@ def _question(asked: Asked) -> Question:
     """Decode a question; HostForged if it isn't one."""
     try:
         return DECODER.decode(asked.data)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         raise HostForged(str(error)[:MAX_REASON]) from None
 
 

@@ -219,6 +219,8 @@ class Recording:
     def ends(self) -> tuple[Endpoint, ...]:
         """The endpoints of the student's programs, whatever their nodes are called."""
         ours = {program.file for program in self.scenario.program if program.supplied}
+        if not any(end.process for end in self.endpoints):  # a recording of 1.0.0
+            return tuple(end for end in self.endpoints if not end.node.startswith("/course_"))
         return tuple(end for end in self.endpoints if end.process not in ours)
 
     @cached_property

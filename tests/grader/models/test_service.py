@@ -15,6 +15,7 @@ from grader.hosted.questions import MAX_ROWS, Question, Told
 from grader.hosted.supplied import kept
 from grader.models.files import is_kept, probe, write_models
 from grader.models.service import IN_START_UP, MAX_ASKED, MOST_ROWS, ModelService, TooManyQuestions
+from rclpy_virtual_time import HostForged
 from rclpy_virtual_time.host import frames
 from rclpy_virtual_time.host.desk import desk
 from sim.messages import Message, laser_scan
@@ -304,3 +305,11 @@ def test_features_that_are_no_scans_are_those_of_the_newest_if_any_will_do() -> 
 
     came.append(scan(np.nan))  # it has no features
     assert asked(0.0, 0.0, 0.0, 0.0, 9.0) == pytest.approx((0.12,))
+
+
+@pytest.mark.parametrize("more", [b"\xc1", b"\x91" * 200_000 + b"\xc0"], ids=["no frame", "deep"])
+def test_what_is_no_question_is_forged(more: bytes) -> None:
+    """Whatever a program sends, the judge says so and goes on."""
+    data = b"\x96" + sent(Question("load", FILE)).data[1:] + more
+    with pytest.raises(HostForged):
+        ModelService(LEADER, 1).ask(frames.Question(0, data), 0)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.recording import Endpoint, made_again, rise_of
+from grader.recording import Endpoint, Recording, made_again, rise_of
 from grader.recording.views import Floats
 
 TIMES = np.arange(400) * 0.1  # [s]
@@ -50,3 +50,19 @@ def test_ends_that_are_made_again_and_again(
 ) -> None:
     recording: Any = SimpleNamespace(endpoints=(Endpoint(kind, "/node", topic, ""),) * count)
     assert [many for _, many in made_again(recording)] == said
+
+
+@pytest.mark.parametrize(("process", "ours"), [("", ""), ("node.py", "setter.py")])
+def test_the_graders_own_ends_are_left_out_of_recordings_old_and_new(
+    process: str, ours: str
+) -> None:
+    """Those of 1.0.0 know no program of an end, only its node."""
+    theirs, setter = (
+        Endpoint("client", node, "/t", "", process=each)
+        for node, each in (("/node", process), ("/course_setter", ours))
+    )
+    programs = [SimpleNamespace(file="setter.py", supplied=True)]
+    run: Any = SimpleNamespace(
+        scenario=SimpleNamespace(program=programs), endpoints=(setter, theirs)
+    )
+    assert Recording.ends.func(run) == (theirs,)
