@@ -212,6 +212,9 @@ RULES = (
          r"'(?:\w+Range)' has no len", "",
          "a descriptor takes its range in a list: …_range=[\\1Range(from_value=…, to_value=…)]",
          PARAMETERS),
+    Rule("AttributeError", r"^'list' object has no attribute '(?:name|value|type_)'", r"param\w*\.",
+         "add_on_set_parameters_callback hands over a list, also of one Parameter: for parameter "
+         "in parameters:", PARAMETERS),
     Rule("InvalidParameterTypeException", "", "",
          "a parameter keeps the type of its default: 1.0 for a float, not 1", PARAMETERS),
     # futures and coroutines

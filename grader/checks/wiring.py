@@ -208,6 +208,8 @@ def _fail_missing(recording: Recording, wanted: Wanted, every: list[Endpoint]) -
         problem += f", but one on {near[0]}"
         how = "in a namespace, remapped, or " if near[0].endswith(name) else ""
         advice = f"Is {near[0]} {how}misspelt? It is {name}."
+        if near[0] == f"/{name.rpartition('/')[2]}":
+            advice = f"A name that begins with a slash leaves the namespace: write {near[0][1:]}."
         if recording.scenario.node.stand_in:  # the programs are ours
             advice = REMAPPED
     elif others:

@@ -9,6 +9,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from grader.advice.slips import said_in
+from grader.grading.causes.cause import sentences
 from grader.recording import Recording, views
 from rclpy_virtual_time import Note
 from sim.clearance import FARTHEST
@@ -44,6 +46,9 @@ def remarks_on(recordings: Sequence[Recording]) -> Iterator[str]:
     notes = (note for recording in recordings for note in recording.notes)
     for note in dict.fromkeys(Note(n.kind, n.about, n.line) for n in notes if n.kind == "imports"):
         yield f"{note.line} imports {note.about} and never uses it."
+    said = (line.text for each in recordings for line in each.log if line.level == "stderr")
+    for slip in dict.fromkeys(filter(None, map(said_in, said))):
+        yield sentences(f"Line {slip.line}: {slip.text}")
     for recording in recordings:
         if (speed := _kept_at_the_end(recording)) is not None:
             yield (

@@ -188,6 +188,9 @@ def _no_program(
             "(entry_points, console_scripts)"
         )
     names = listed([_title(each.package, each.name, answer) for each in answer.executables])
+    if launch and wanted.removesuffix(".py") in (each.name for each in answer.executables):
+        name = wanted.removesuffix(".py")
+        return f'{launch} starts {wanted}: the program is called {name}, so executable="{name}"'
     if launch:
         return f"{launch} starts {wanted}, but the package's entry points are: {names}"
     if not wanted:

@@ -11,8 +11,9 @@ from grader.recording import Outcome, death_of
 
 UNWIRED = re.compile(r"there is (no|an?) \w+ (of \S+ )?on /|the (publisher|subscription) o[nf] /")
 UNREAD_FILE = (
-    "{} ends at once, because {} can't be read: {}. Below the node's name stands ros__parameters:, "
-    "two spaces deeper, and below that the parameters, two spaces deeper again."
+    "{} ends at once, because {} can't be read: {}. Look at that line and the next: below the "
+    "node's name stands ros__parameters:, two spaces deeper than it, and each parameter below "
+    "ros__parameters:, two spaces deeper again."
 )
 WIRED = "wiring"  # in the names of the checks that every other one needs
 

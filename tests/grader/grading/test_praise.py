@@ -49,9 +49,13 @@ def test_of_working_code_a_reader_remarks_imports_and_a_missing_stop(
 ) -> None:
     source = REFERENCE.replace("import math\n", "import math\nimport os.path as way, json\n")
     source = source.replace("        node.stop()\n", "        pass\n")
+    source = source.replace("= Twist()", "= Twist(lineal=None)")
     recordings = driven(source, tmp_path, forkserver, "avoid_box_behind")
-    unused, stop = remarks_on(recordings)
+    unused, field, stop = remarks_on(recordings)
     assert unused == f"{NAME} imports way, json and never uses it."
+    assert field.endswith(
+        ": Twist has no field lineal, and takes the word in silence: is linear meant?"
+    )
     assert "After Ctrl-C in avoid_box_behind no zero Twist came" in stop
     assert "the last command, 0.50 m/s" in stop
 
