@@ -129,8 +129,8 @@ clean: ## remove what can be made again
 	rm -rf $(VENV) $(DEEP) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache report.html
 
 $(VENV)/bin/python:
-	$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' \
-	  || { echo "expected Python 3.11 - 3.13, but $(PYTHON) is $$($(PYTHON) -V 2>&1);" \
+	$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' \
+	  || { echo "expected Python 3.11 - 3.14, but $(PYTHON) is $$($(PYTHON) -V 2>&1);" \
 	    "try: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 

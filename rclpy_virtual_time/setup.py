@@ -16,7 +16,7 @@ from rclpy_portable import unpacking  # noqa: E402
 
 NAME, PORTABLE = HERE.name, "rclpy_portable"
 ROS = ("rclpy", "common-interfaces", "rmw-fastrtps-cpp")
-WHEELS = "sys_platform == 'linux' and platform_machine == 'x86_64' and python_version < '3.14'"
+WHEELS = "sys_platform == 'linux' and platform_machine == 'x86_64' and python_version < '3.15'"
 
 unpacking.folder(print)
 setup(

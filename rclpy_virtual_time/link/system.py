@@ -8,7 +8,7 @@ from __future__ import annotations
 import platform
 import sys
 
-WHEELS_BEFORE = (3, 14)  # a Python for which there are none any more
+WHEELS_BEFORE = (3, 15)  # a Python for which there are none any more
 
 
 def is_tried() -> bool:

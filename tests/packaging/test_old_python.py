@@ -78,5 +78,5 @@ def test_make_says_it(tmp_path: Path) -> None:
     )  # fmt: skip
 
     assert done.returncode == 2
-    expected = f"expected Python 3.11 - 3.13, but {old} is Python 3.10.13; try: make "
+    expected = f"expected Python 3.11 - 3.14, but {old} is Python 3.10.13; try: make "
     assert expected + "PYTHON=python3.12 setup" in done.stderr
