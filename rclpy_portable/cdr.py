@@ -194,7 +194,7 @@ def _as_float(value: Any) -> float:
     if isinstance(value, float):
         return value
     if type(value) in (int, bool):
-        return _bits(_size_word(int(value)))
+        return _bits(_size_word(value))
     if hasattr(value, "dtype") and hasattr(value, "tobytes"):  # a number of numpy's
         return _bits(int.from_bytes(value.tobytes()[:8], sys.byteorder))
     return _bits(len(value) if hasattr(value, "__len__") else 1)
@@ -203,12 +203,14 @@ def _as_float(value: Any) -> float:
 def _size_word(number: int) -> int:
     """Return what an int has where a float has its value: the number of its digits, and its sign.
 
-    Source: CPython, Include/cpython/longintrepr.h, of 3.11 and of 3.12.
+    Source: CPython, Include/cpython/longintrepr.h, of 3.11, of 3.12, and of 3.14, where those that
+    are kept for good, -5 to 256, have a bit more.
     """
     digits = (abs(number).bit_length() + 29) // 30
     if sys.version_info >= (3, 12):
         sign = 0 if number > 0 else 1 if number == 0 else 2
-        return digits << 3 | sign
+        kept = sys.version_info >= (3, 14) and type(number) is int and -5 <= number <= 256
+        return digits << 3 | kept << 2 | sign
     return digits if number >= 0 else -digits & (2**64 - 1)
 
 

@@ -51,7 +51,8 @@ class Stacks:
         module: Any = threading
         _thread.start_new_thread = module._start_new_thread = self._start_new_thread
         _thread.get_ident = threading.get_ident = lambda: self._current
-        module._set_sentinel = self._set_sentinel
+        module._set_sentinel = self._set_sentinel  # until Python 3.12
+        module._ThreadHandle, module._start_joinable_thread = Handle, self._start_joinable_thread
         sys._current_frames = self._current_frames  # type: ignore[assignment]
 
     def run(self, body: Callable[[], object]) -> None:
@@ -111,6 +112,12 @@ class Stacks:
         self._begin(number, lambda: function(*args, **(kwargs or {})))
         return number
 
+    def _start_joinable_thread(
+        self, function: Callable[[], object], handle: Handle, daemon: bool
+    ) -> None:
+        number = self._start_new_thread(function)
+        self._ends[number] = handle.begin()
+
     def _current_frames(self) -> dict[int, FrameType | None]:
         """Return one frame of each thread; Python would look into stacks that lie elsewhere now."""
         return {**self._frames, self._current: sys._getframe(1)}
@@ -118,6 +125,27 @@ class Stacks:
     def _set_sentinel(self) -> Any:
         self._ends[self._current] = end = threading.Lock()
         return end
+
+
+class Handle:
+    """What a `Thread` knows of its end, from Python 3.13 on."""
+
+    def __init__(self) -> None:
+        self._end = threading.Lock()
+
+    def begin(self) -> Any:
+        """Return the lock that opens at the end."""
+        self._end.acquire()
+        return self._end
+
+    def is_done(self) -> bool:
+        """Return whether the thread has ended."""
+        return not self._end.locked()
+
+    def join(self, timeout: float | None = None) -> None:
+        """Wait for the end."""
+        if self._end.acquire(timeout=-1 if timeout is None else timeout):
+            self._end.release()
 
 
 class Gate:

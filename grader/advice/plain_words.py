@@ -233,7 +233,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     ),
     (
         "ValueError",
-        r"math domain error",
+        r"math domain error|expected a (\w+ input|number between)",
         "a root or a logarithm of a negative number, or an angle of infinity",
     ),
     (

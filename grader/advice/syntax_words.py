@@ -85,7 +85,10 @@ def words_on_syntax(said: str, line: str) -> str:
     for code, advice in LINES:
         if said.startswith(("invalid", "unmatched", "expected ':'")) and re.search(code, text):
             return advice
-    if said.startswith("f-string: expecting '}'") and text.count("{") > text.count("}"):
+    if text.count("{") > text.count("}") and (
+        said.startswith("f-string: expecting '}'")  # until Python 3.11, which read it as a whole
+        or ("forgot a comma" in said and re.search(r"\b[fF]['\"]", text))
+    ):
         return "a { in this f-string is closed by no }"
     for kind, advice in KINDS:
         if match := re.search(kind, said):

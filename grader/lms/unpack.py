@@ -130,7 +130,7 @@ def _write(
             if target.exists():
                 odd.append((name, "twice in the archive; the first counts"))
                 continue
-            target.touch()
+            target.touch(exist_ok=False)
         except (FileReader.Refused, OSError) as error:
             if cut is None or is_disk_full(error):
                 raise

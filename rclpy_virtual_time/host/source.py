@@ -17,6 +17,11 @@ from types import CodeType
 DECLARED = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+")  # PEP 263
 EMPTY = re.compile(rb"[ \t\f]*(?:#|$)")  # or a comment: the declaration may be in the next line
 LINE = re.compile(rb"\r\n|\r|\n")
+try:
+    compile(b"#\xff", "", "exec")
+    LOOKS_ON = False
+except SyntaxError:  # this Python has gh-63161: a second line may declare what the first is in
+    LOOKS_ON = True
 ADVICE = "but no encoding declared; see https://peps.python.org/pep-0263/ for details"
 
 
@@ -36,6 +41,9 @@ def compiled(file: str) -> CodeType:
 def _check_encoding(source: bytes, file: str) -> None:
     if source.startswith(codecs.BOM_UTF8):
         return  # whether it is UTF-8, and declares nothing else, is for `compile`
+    first, *rest = LINE.split(source, 2)
+    if LOOKS_ON and EMPTY.match(first) and rest and DECLARED.match(rest[0]):
+        return
     may_declare = True
     for number, line in enumerate(LINE.split(source), start=1):
         if may_declare and DECLARED.match(line):

@@ -52,6 +52,9 @@ REVIEWED = {
     "_queue:SimpleQueue lacks it",
     "_thread:RLock lacks it",
     "_thread:lock has __annotations__ __dict__ __init__ __weakref__ kernel",
+    "_thread:lock has __annotations__ __dict__ __init__ __static_attributes__ __weakref__ kernel",
+    "_thread:lock lacks __new__",  # from Python 3.13 on, as the line before
+    "typing has AsyncContextManager ForwardRef Match Pattern",  # made when asked for
     "joblib.externals.loky.backend.resource_tracker:LokyRLock lacks __dict__",  # its base has one
     "rclpy_virtual_time.host.virtual.descriptors:_polling.<locals>.Polling has it",
     "select:epoll lacks it",
@@ -112,7 +115,10 @@ def test_a_program_that_imports_datetime_alone_reads_virtual_time(
     file = folder / "node.py"
     file.write_text("from datetime import datetime\nprint(datetime.now(), datetime.utcnow())\n")
     ended, said = end_of(learned, file)
-    assert said[0].count("2023-11-14 22:13:") == 2, (ended, said)
+    *warned, printed = said
+    assert printed.count("2023-11-14 22:13:") == 2, (ended, said)
+    assert bool(warned) == (sys.version_info >= (3, 12))
+    assert not warned or f"{file}:2: DeprecationWarning: datetime.datetime.utcnow" in warned[0]
 
 
 @pytest.mark.parametrize(
@@ -157,7 +163,7 @@ BESIDE = {  # a file beside the node: how the node ends
     "numpy.py": "ran 1",
     "platform.py": "ran 1",  # numpy has it, too
     "copy.py": "ran 1",  # nothing misses what it lacks
-    "time.py": "ran None",  # Python's own is built in
+    "time.py": "ran None",  # Python's own is built in; so are math and array in some builds
 }
 NODE = """
 import rclpy
@@ -185,9 +191,10 @@ def test_a_file_beside_the_node_goes_first(
     file.write_text(NODE.format(module, module))
     plain = on_plain_python(learned, file)
     ended, said = end_of(learned, file)
-    assert plain.startswith(BESIDE[name])
-    if BESIDE[name].startswith("ran"):
-        assert said == [BESIDE[name]]
+    meant = "ran None" if module in sys.builtin_module_names else BESIDE[name]
+    assert plain.startswith(meant)
+    if meant.startswith("ran"):
+        assert said == [meant]
         return
     assert plain.partition(" (")[0] in ended  # without the path
     assert ended.endswith(f"hidden by {folder / name}"), ended

@@ -109,6 +109,7 @@ MEANT = {
     "bool(np.ones(2) > 0)": "any()",
     "np.ones(2) + np.ones(3)": "same length",
     "math.sqrt(-1)": "negative number",
+    "math.cos(math.inf)": "angle of infinity",
     "int(math.nan)": "NaN",
     "int(math.inf)": "math.isfinite",
     "a, b = [1]": "as many values as names",

@@ -168,6 +168,7 @@ SYNTAX = {
     "x = 2 \N{MULTIPLICATION SIGN} 3": "no such sign",
     "print 'hello'": "write print(…)",
     "try:\n    pass\nexcept TypeError, ValueError:\n    pass": "except X as error",
+    "try:\n    pass\nexcept TypeError, ValueError as error:\n    pass": "except X as error",
     "if True:\n\tx = 1\n        y = 2": "never with tabs",
     "if True:\n    x = 1\n  y = 2": "like none around",
     "x = 1\n    y = 2": "indented more than the one before",
@@ -193,6 +194,8 @@ SYNTAX = {
     "function f() {}": "begins with `def`",
     'f"{1 of {2}"': "is closed by no }",
 }  # fmt: skip
+if sys.version_info >= (3, 14):  # PEP 758
+    del SYNTAX["try:\n    pass\nexcept TypeError, ValueError:\n    pass"]
 
 
 def what_is_said(script: Path) -> dict[str, str]:

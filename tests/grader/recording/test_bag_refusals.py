@@ -1,15 +1,16 @@
 """What is no bag is refused, and what is not a bag of ours is kept."""
 
 import contextlib
+import importlib
 import shutil
 import sqlite3
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import pytest
-from backports import zstd
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
@@ -18,6 +19,9 @@ from grader.errors import InputError
 from grader.recording import Recording, bag
 from sim.messages import EPOCH_NS, typestore
 
+zstd = importlib.import_module(
+    "compression.zstd" if sys.version_info >= (3, 14) else "backports.zstd"
+)
 # --- what is no bag ------------------------------------------------------------------------------
 
 

@@ -49,7 +49,7 @@ class Struct:
     ) -> None:
         super().__init_subclass__()
         cls.__renamed__ = {there: here for here, there in (rename or {}).items()}
-        for name in vars(cls).get("__annotations__", {}):
+        for name in cls.__annotations__:
             default = cls.__dict__.get(name)
             if isinstance(default, list | dict | set):
                 setattr(cls, name, dataclasses.field(default_factory=default.copy))
