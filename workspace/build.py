@@ -55,7 +55,7 @@ COURSE = re.compile(
     r"|grading/(attempts|best|handed_in|withheld)|cli/(batch|waiting)"
     r")"
     r"|rclpy_virtual_time/(?!testing|conform|tests|setup"
-    r"|link/(doctor|domains|host_process|hosts|locks|pipes|run_queue|shared_memory)\."
+    r"|link/(doctor|domains|host_process|hosts|locks|pipes|shared_memory)\."
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
 PAGE_PACKAGES = "workspace/page_packages"  # there, in the page, beside runtime.py
@@ -199,7 +199,7 @@ def build(out: Path, modules: Path, wheel: Path, compiler: Sequence[str]) -> Non
     (pyodide / "pyodide-lock.json").write_text(json.dumps({"info": lock["info"], "packages": {}}))
     library = _zipped(modules / "pyodide" / LIBRARY, NOT_OF_PYTHON)
     numpy = {**_zipped(wheel, NOT_OF_NUMPY), **dict.fromkeys(EMPTY, b"")}
-    packages, course = {**numpy, **_packages()}, _course()
+    packages, course = {**numpy, **_packages()}, course_files()
     with compiled(library, "/lib/python312.zip", "2") as folder:
         content = _stored(folder)
     (pyodide / f"{LIBRARY}.pack").write_bytes(gzip.compress(content, mtime=0))
@@ -257,7 +257,8 @@ def _drives(files: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _course() -> dict[str, bytes]:
+def course_files() -> dict[str, bytes]:
+    """Return the files of the course that a page has, with its stand-ins for packages."""
     unpacking.folder(print)
     found = {}
     for room in ("exercises", "grader", "rclpy_virtual_time", "rclpy_portable", "sim", "workspace"):

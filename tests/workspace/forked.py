@@ -1,9 +1,9 @@
 """The page's Python in CPython: forks stand for its copies of memory.
 
-`forked.py FOLDER` has the page's packages from FOLDER. It reads orders from stdin, a JSON object
-each, and prints what came of it: of one with `exercise`, `file`, `others` and `scenarios` the
-grading, of one with `file` and `arguments` what the page says of the drive. The recordings stay in
-FOLDER.
+`forked.py FOLDER` has the page's files from FOLDER, and no others of the course. It reads orders
+from stdin, a JSON object each, and prints what came of it: of one with `exercise`, `file`, `others`
+and `scenarios` the grading, of one with `file` and `arguments` what the page says of the drive. The
+recordings stay in FOLDER.
 """
 
 from __future__ import annotations
@@ -13,12 +13,10 @@ import json
 import os
 import sys
 from collections.abc import Callable
-from pathlib import Path
 
 from greenlet import getcurrent, greenlet
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [f"{sys.argv[1]}/workspace/page_packages", str(ROOT)]
+sys.path[:0] = [f"{sys.argv[1]}/workspace/page_packages", sys.argv[1]]
 
 from workspace import runtime  # noqa: E402
 

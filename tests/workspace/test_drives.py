@@ -17,7 +17,7 @@ import pytest
 from grader import cli
 from grader.course.exercises import ROOT
 from rclpy_virtual_time.link.hosts import ForkServer
-from workspace.build import lay, page_packages
+from workspace.build import course_files, lay
 from workspace.runtime import REFUSED
 
 FORKED = Path(__file__).with_name("forked.py")
@@ -61,7 +61,7 @@ def listing(page: str, name: str) -> str:
 
 
 def said_by_page(folder: Path, orders: list[dict[str, str]]) -> list[dict[str, Any]]:
-    lay(folder, page_packages())
+    lay(folder, course_files())
     done = subprocess.run(
         [sys.executable, FORKED, folder],
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),  # as a background job

@@ -18,7 +18,7 @@ from grader.course.exercises import all_exercises, find_exercise
 from grader.grading.grading import grade_submission
 from grader.recording import Recording
 from rclpy_virtual_time.link.hosts import ForkServer
-from workspace.build import lay, page_packages
+from workspace.build import course_files, lay
 from workspace.plan import fields, methods, plan
 
 FORKED = Path(__file__).with_name("forked.py")
@@ -62,7 +62,7 @@ def test_the_page_judges_as_course_grade_does(
             "others": list(exercise.files),
             "scenarios": list(made["scenarios"]),
         }
-        lay(tmp_path, page_packages())
+        lay(tmp_path, course_files())
         done = subprocess.run(
             [sys.executable, FORKED, tmp_path],
             input=json.dumps(order),

@@ -24,7 +24,7 @@ from grader.checks.verbs import (
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_end
 from grader.course.exercises import Topic
-from grader.exercises.three_nodes.contract import CONTRACT, GIVEN, NODES, given
+from grader.exercises.three_nodes.contract import CONTRACT, GIVEN, NODES, PATIENCE, given
 from grader.recording import Recording
 from sim.messages import CMD_VEL_RAW_TOPIC, CMD_VEL_TOPIC, TWIST
 
@@ -123,11 +123,12 @@ def test_keeps_distance(runs: Runs) -> None:
         for recording in runs.only(BENCH, WALL):
             within(recording, CONTRACT.limits, "What else than the guard's word reaches /cmd_vel?")
     if not any(wall.cases("old")):
+        (begin, end), *_ = runs[WALL].scenario.faults.blackout
         fail(
             "wishes came all the while, so the guard never stopped the robot",
-            expected="no wish while the lidar is silent, from 4.0 s to 5.5 s",
-            actual="none that was 0.5 s old",
-            at=4.5,
+            expected=f"no wish while the lidar is silent, from {begin} s to {end} s",
+            actual=f"none that was {PATIENCE} s old",
+            at=begin + PATIENCE,
             recording=runs[WALL],
             help=CHAIN,
         )
