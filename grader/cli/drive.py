@@ -140,6 +140,11 @@ def drive(
             keys=typed,
             env=variables,
             charge_compute=charge_compute,
+            on_second_look=lambda: click.echo(
+                f"{file.name}: not in virtual time; once more in real time, which takes "
+                f"{chosen.duration:.0f} s",
+                err=True,
+            ),
         )
     if bag is not None:
         from grader.recording.bag import save  # noqa: PLC0415

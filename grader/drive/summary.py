@@ -94,10 +94,14 @@ def _print_words(recording: Recording, console: Console, most: int | None, rest:
 def event_lines(recording: Recording) -> list[str]:
     """Return the drive's events, a line each."""
     truth = recording.truth
+    live = recording.live
     lines = [
-        f"{recording.duration_s:.1f} s simulated; {_ending(recording)}",
+        f"{recording.duration_s:.1f} s {'of real time' if live else 'simulated'}; "
+        f"{_ending(recording)}",
         *ended_of(recording),
     ]
+    lines += [f"WARNING: in real time, because {live.reason}"] if live and live.reason else []
+    lines += [f"WARNING: the machine was too busy: {live.stall}"] if live and live.stall else []
     if len(truth.t):
         steps = np.hypot(np.diff(truth.x), np.diff(truth.y))
         nearest = int(np.argmin(truth.clearance))

@@ -17,7 +17,8 @@ import numpy as np
 from grader.checks.commands import garbage, spell
 from grader.recording import Endpoint, Recording
 from sim.messages import CMD_VEL_TOPIC, GOAL_TOPIC, TWIST, TWIST_STAMPED, Message, decode
-from sim.sensors import OFFERED
+from sim.scenario_files import load_scenario, scenario_names
+from sim.sensors import OFFERED, enabled_sensors
 
 COMMANDS = (TWIST, TWIST_STAMPED)  # types of messages that the robot understands
 OF_CARS = "ackermann_msgs/"  # how the types of what drives other robots begin
@@ -27,6 +28,8 @@ OURS = "/from_node"  # before topics on which the node speaks in the robot's nam
 ALIKE = 0.75  # two names
 RATED = 1.0  # [s] that a node has to be there for a rate of its messages, and for missing ones
 TINY = 1e-6  # [m/s], [rad/s]
+MOST_NOTED = 490.0  # [Hz] a loop without a wait publishes more, and in real time 500 are noted
+DEMOS = "demo_"  # how the scenarios begin that are for any node
 LIFECYCLE = "lifecycle_msgs/"  # the ends of such a node that rclpy makes in C: nobody sees them
 PARAMETER_SERVICES = (
     "describe_parameters",
@@ -43,17 +46,22 @@ ARROWS = {"publisher": "->", "subscription": "<-"}
 def topic_lines(recording: Recording) -> list[str]:
     """Return a line for each endpoint, and below, indented, its problems."""
     ends = recording.endpoints
+    if not ends and recording.outcome.kind == "hung":
+        return ["not known: a node says which it has when it first waits for something"]
     if not ends:
         return ["the node created no publisher and no subscription"]
     sent = Counter(message.topic for message in recording.delivered)
     said = Counter((m.topic.removeprefix(OURS), m.type) for m in recording.published)
-    lines = []
+    blocks: list[tuple[str, ...]] = []
     for end in (end for end in recording.ends if end.kind != "timer"):
-        line = _line(end, *_count(end, ends, sent, said), _lasted(recording))
+        line = _line(end, *_count(recording, end, sent, said), _lasted(recording))
         several = len({other.node for other in recording.ends}) > 1 or "(" in end.process
         drives = several and (end.kind, end.topic) == ("publisher", CMD_VEL_TOPIC)
-        lines.append(f"{line}, by {end.node} of {end.process}" if drives else line)
-        lines += [f"    {text}" for text in _problems(recording, end, sent)]
+        line = f"{line}, by {end.node} of {end.process}" if drives else line
+        blocks.append((line, *(f"    {text}" for text in _problems(recording, end, sent))))
+    lines = []
+    for (line, *below), count in Counter(blocks).items():
+        lines += [f"{line}, {count} times" if count > 1 else line, *below]
     return lines
 
 
@@ -63,17 +71,18 @@ def _lasted(recording: Recording) -> float:
 
 
 def _count(
-    end: Endpoint, ends: tuple[Endpoint, ...], sent: Counter[str], said: Counter[tuple[str, str]]
+    recording: Recording, end: Endpoint, sent: Counter[str], said: Counter[tuple[str, str]]
 ) -> tuple[int, str]:
     """Return the number of messages an endpoint sent or could hear, and the words for them.
 
     Which of several publishers sent a message is not known, nor whether one of the programs' own
     came in time for a subscription of theirs.
     """
-    own = said[end.topic, end.type]
+    own, ends = said[end.topic, end.type], recording.endpoints
     if end.kind == "publisher":
         alike = [o for o in ends if (o.kind, o.topic, o.type) == (end.kind, end.topic, end.type)]
-        return own, "{} together" if len(alike) > 1 else "{}"
+        words = "more than {}" if recording.live and own > MOST_NOTED * _lasted(recording) else "{}"
+        return own, f"{words} together" if len(alike) > 1 else words
     robots = 0 if end.mismatch else sent[end.topic]
     if not own or not _own_publishers(end, ends, connected=True):
         return robots, "{}"
@@ -116,12 +125,20 @@ def _of_subscription(recording: Recording, end: Endpoint, sent: Counter[str]) ->
     if end.topic in OFFERED:
         if _lasted(recording) < RATED:
             return ""  # it had no time to hear anything
-        hint = "; --goal X Y sends a goal" if end.topic == GOAL_TOPIC else ""
+        hint = "; --goal X Y sends a goal" if end.topic == GOAL_TOPIC else _where(end.topic)
         return f"the robot sends nothing here in {recording.name}{hint}"
     near = difflib.get_close_matches(end.topic, sorted(sent), n=1, cutoff=ALIKE)
     near = near or [topic for topic in sorted(sent) if OFFERED.get(topic) == end.type]
     has = near[0] if near else ", ".join(sorted(sent))
     return "nobody publishes this topic" + (f"; the robot publishes {has}" if has else "")
+
+
+def _where(topic: str) -> str:
+    """Say in which scenarios for any node the robot has the sensor."""
+    demos = [load_scenario(name) for name in scenario_names() if name.startswith(DEMOS)]
+    sent = {d.name: {s.topic for s in enabled_sensors(d).values()} for d in demos if not d.program}
+    having = ", ".join(name for name, topics in sent.items() if topic in topics)
+    return f"; it does in {having}" if having else ""
 
 
 def _of_publisher(recording: Recording, end: Endpoint) -> Iterator[str]:

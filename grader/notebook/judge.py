@@ -98,7 +98,10 @@ def _drive(order: Drive, launcher: Launcher) -> Driven:
     submission = find_submission(Path(order.file), others=others)
     submission = unpacked(submission, launcher)
     arguments = arguments_of(order.params)
-    recording = drive_node(submission, scenario, launcher, seed=order.seed, arguments=arguments)
+    recording = drive_node(
+        submission, scenario, launcher, seed=order.seed, arguments=arguments,
+        on_second_look=lambda: None,
+    )  # fmt: skip
     with contextlib.redirect_stdout(io.StringIO()) as said:
         print_summary(recording, file=order.shown, seed=order.seed, practice=launcher.practice)
         print(*(f"  {sentence}" for sentence in submission.account()), sep="\n")

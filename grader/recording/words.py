@@ -17,7 +17,8 @@ MAX_LINES = 3
 MAX_TEXT = 300  # [characters] of one
 # the stacks of a node that hangs, for which the judge asked; and what a library grumbles
 NOISE = re.compile(
-    r'  File ".*", line \d+ in |(Current t|T)hread 0x|.*\[[EW]:onnxruntime:'
+    r'  File ".*", line \d+ in |(Current t|T)hread 0x|  (Garbage-c|\.\.\.|<no Py)|\s*$'
+    r"|.*\[[EW]:onnxruntime:"
     r"|\w+: pip has no package of it"
 )
 URGENT = ("warn", "error", "fatal", "stderr")

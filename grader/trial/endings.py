@@ -21,7 +21,7 @@ STUCK = (
     "(a blocking call() or wait in a callback waits for an answer that only the executor "
     "it blocks could deliver)"
 )
-BUSY_WAIT = "a loop in the node waits without letting time pass (such as `while not done: pass`)"
+BUSY_WAIT = "a loop in the node goes round without letting time pass"
 NEVER_SPUN = "the program runs, but its node never spins"
 
 

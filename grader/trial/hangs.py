@@ -14,6 +14,7 @@ from grader.advice.rules import wait_for_good
 from grader.course.beside import PYTHON
 from grader.course.submission import Submission, read_regular_file
 from grader.recording import Recording
+from grader.trial.endings import BUSY_WAIT
 
 ENTRY = re.compile(r'  File "(?P<file>[^"\n]+)", line (?P<line>\d{1,6}) in (?P<function>.{1,80})')
 LOOP = re.compile(r"(async\s+)?(while|for)\b")
@@ -26,8 +27,11 @@ HALTS = {
     "never_spun": "the node never spins: its program waits in",
     "stuck": "the node waits for good in",
 }
+WANTS = "give such a loop a time.sleep(0.05), or make it a timer's callback"
 MAX_FRAMES = 4
 MAX_SOURCE = 160  # [characters] of a line
+LOOP_TOLD = "loop: "
+START_UP = "the start-up"
 
 
 Sources = dict[str, list[str]]  # lines by file
@@ -53,15 +57,24 @@ def located(recording: Recording, submission: Submission) -> Recording:
     if not (told := _account(outcome.detail, _sources(submission), waits=waits)):
         return recording
     place, inner = told.splitlines()[:2]
+    if outcome.kind == "hung" and place == f"in {START_UP}" and f"\n{LOOP_TOLD}" in told:
+        told += f"\ntry: {WANTS}"
     line = inner.partition(", ")[2]
     text = f"{HALTS[outcome.kind]} {place.removeprefix('in ')} ({line})"
     outcome = replace(outcome, text=text, detail=f"{told}\n\n{outcome.detail}")
     return replace(recording, outcome=outcome)
 
 
+def busy_wait(hung: Recording) -> str:
+    """Say why a node that hung in virtual time runs in real time, and what its loop wants."""
+    told = hung.outcome.detail.splitlines()
+    loops = [line.removeprefix(LOOP_TOLD) for line in told if line.startswith(LOOP_TOLD)]
+    return f"{BUSY_WAIT} ({(loops or ['such as `while not done: pass`'])[0]}): {WANTS}"
+
+
 def _account(stacks: str, sources: Sources, *, waits: bool) -> str:
     thread = _hanging(list(_threads(stacks)))
-    place, own = "the start-up", list[_Entry]()
+    place, own = START_UP, list[_Entry]()
     for entry in thread:
         if entry.file.endswith(EXECUTORS):
             place = "a callback"
@@ -71,14 +84,14 @@ def _account(stacks: str, sources: Sources, *, waits: bool) -> str:
     if not own:
         return ""
     inner = next(iter(_quoted(sources, own[0].file, own[0].line)), "")
-    if place == "the start-up" and any(entry.function == "__init__" for entry in own):
+    if place == START_UP and any(entry.function == "__init__" for entry in own):
         place = "the constructor"
     lines = [f"in {place}"]
     for entry in own[:MAX_FRAMES]:
         lines.append(f"{entry.file}, line {entry.line}, in {entry.function}")
         lines += [f"    {source}" for source in _quoted(sources, entry.file, entry.line)]
     if loop := _loop(own, sources):
-        lines.append(f"loop: {loop}")
+        lines.append(f"{LOOP_TOLD}{loop}")
     quoted = [line for entry in own for line in _quoted(sources, entry.file, entry.line)]
     if any(CALLED.search(line) for line in quoted):
         lines.append("try: brackets after target call it here and now: write target=self.work")

@@ -73,6 +73,9 @@ def _with_programs(
         for place, source in list(answer.files.items())[:MAX_FILES]
         if source in there and may_come(place) and _is_inside(place)
     }
+    start = None if launch else there.get(package.start)
+    if start and not package.main and start not in installed.values():  # python3 runs it, too
+        installed[package.start] = start
     data = {name: path for name, path in there.items() if not name.endswith(PYTHON)}
     files = {**data, **installed}
     words = [w for each in answer.launched for w in (*each.arguments, *each.made.values())]
@@ -109,7 +112,7 @@ def _with_programs(
             titles = [_title(each.package, each.executable, answer) for each in answer.launched]
             chosen = [known[title] for title in titles]
         else:
-            chosen = [_executable(known, package, there.get(package.start), installed)]
+            chosen = [_executable(known, package, start, installed)]
         if broken := [each for each in chosen if each.file not in installed]:
             raise LookupError(broken[0].entry)
         programs = tuple(
@@ -151,6 +154,7 @@ def _executable(
 ) -> Executable:
     """Return the program to start: the named program, the exercise's, or the only one.
 
+    A file that no entry point leads to runs as with `python3 FILE`, where no exercise wants more.
     Raises LookupError: there is none.
     """
     every = list(known.values())
@@ -159,10 +163,15 @@ def _executable(
             e for e in every if e.name == package.start
         ]
         wanted = package.start
+        if start and not package.main and not every:
+            place = next(place for place, source in installed.items() if source == start)
+            return Executable(start.stem, place, "")
     else:
         wanted = package.main
         stem = Path(wanted).stem
-        mine = [e for e in every if PurePosixPath(e.file).name == wanted or e.name == stem]
+        mine = [
+            e for e in every if wanted and (PurePosixPath(e.file).name == wanted or e.name == stem)
+        ]
         every, wanted = mine or every, wanted if len(mine) < 2 else ""
     if (not package.start and len(every) != 1) or not every:
         raise LookupError(wanted)

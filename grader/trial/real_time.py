@@ -66,8 +66,11 @@ def run_live_trial(
     forkserver: ForkServer,
     *,
     seed: int | None = None,
+    arguments: Sequence[str] = (),
     files: Mapping[str, bytes] | None = None,
     reason: str = "",
+    stamped: bool = False,
+    lenient: bool = False,
 ) -> Recording:
     """Run a student's file in a scenario in wall-clock time and return what happened.
 
@@ -77,6 +80,8 @@ def run_live_trial(
         One for virtual time; its sister for real time is used.
     reason
         Why the trial isn't in virtual time, for the report.
+    lenient
+        Not for a grading: no second try, and a loop that publishes without a wait is no flood.
 
     The other parameters are those of `grader.trial.virtual_time.run_trial`. If the machine stalls,
     the trial is repeated; if it stalls again, the recording says so (`live.stall`).
@@ -87,20 +92,20 @@ def run_live_trial(
         The grader or the machine failed; nothing can be said of the submission.
     """
     shared = forkserver.live.shares_network
-    for attempt in range(ATTEMPTS):
+    for attempt in range(1 if lenient else ATTEMPTS):
         simulation = Simulation(scenario, seed)
         problem = not_runnable(submission, scenario)
         if problem is not None:
             return not_run(simulation, problem)
         with (
             TRIAL_LOCK.held(alone=attempt > 0, shared_network=shared),
-            stage(submission, scenario, files=files) as staged,
+            stage(submission, scenario, arguments, files) as staged,
         ):
-            recorder = Recorder(staged.called)
+            recorder = Recorder(staged.called, stamped=stamped)
             models = ModelService(scenario, simulation.seed, recorder.delivered, began=None)
             hosts = LiveHosts(
                 forkserver.live, staged.folder, staged.programs, staged.offers,
-                host_seed(simulation.seed), models, Limits.start,
+                host_seed(simulation.seed), models, Limits.start, lenient=lenient,
             )  # fmt: skip
             trial = _LiveTrial(simulation, recorder, hosts, staged, models)
             recording = located(trial.run(reason), submission)
@@ -144,7 +149,9 @@ class _LiveTrial:
     def run(self, reason: str) -> Recording:
         """Run the trial to its end."""
         stall = ""
-        if reason == BUSY_WAIT:  # it hung before: a scenario may be shorter than HUNG_AFTER
+        if reason.startswith(
+            BUSY_WAIT
+        ):  # it hung before: a scenario may be shorter than HUNG_AFTER
             self._hung_after = min(HUNG_AFTER, self._simulation.scenario.duration / 2)
         with self.hosts as hosts:
             try:
@@ -157,7 +164,8 @@ class _LiveTrial:
                 outcome = self._end_outcome()
             except LiveHosts.NotReady as error:
                 kind, text = str(error), HUNG_AT_START if str(error) == "hung" else NEVER_SPUN
-                outcome = self._outcome(kind, text, hosts.programs[0].link.stacks())
+                waits = next(p for p in hosts.programs if not p.pulse.spinning)
+                outcome = self._outcome(kind, text, waits.link.stacks())
             except (HostForged, Flood, Excess, TooManyQuestions) as error:
                 outcome = self._outcome(*misbehaviour(error))
             except TimeoutError as error:

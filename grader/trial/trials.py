@@ -17,7 +17,8 @@ from grader.course.submission import Submission
 from grader.errors import GraderError, InputError, is_disk_full
 from grader.models.files import OWN, needed_for
 from grader.recording import Outcome, Recording, bag, ended_of, growth_of
-from grader.trial.endings import BUSY_WAIT, is_halt, not_run
+from grader.trial.endings import is_halt, not_run
+from grader.trial.hangs import busy_wait
 from grader.trial.kept import KeptRecordings
 from grader.trial.progress import LEFT_OUT, TRIAL, OnProgress, Step, ignore
 from grader.trial.seeds import trial_seed
@@ -358,9 +359,10 @@ class NodeTrials(Trials):
         """
         with self._second_look:
             if not self._hung and self._why_real is None:
-                real = self._run_in_real_time(scenario, BUSY_WAIT)
+                reason = busy_wait(virtual)
+                real = self._run_in_real_time(scenario, reason)
                 if real.outcome.kind not in ("hung", "never_spun"):
-                    self._why_real = BUSY_WAIT
+                    self._why_real = reason
                     return real
                 self._hung = True
                 if not virtual.delivered:

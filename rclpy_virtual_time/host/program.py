@@ -58,8 +58,10 @@ def run(session: Session, start: Start) -> None:
 
 def enter_folders(programs: Iterable[ProgramStart]) -> None:
     """Let modules be imported from where each program's lie, as Python and `ros2 run` do."""
-    imports.host.enter(dict.fromkeys(str(folder_of(program)) for program in programs))
-    if Path("share", "ament_index").is_dir():  # of a package: `get_package_share_directory` looks
+    folders = [str(folder_of(program)) for program in programs]
+    installed = Path("share", "ament_index").is_dir()  # as a package is, and can be imported
+    imports.host.enter(dict.fromkeys([*folders, str(Path.cwd())] if installed else folders))
+    if installed:  # `get_package_share_directory` looks
         paths = (str(Path.cwd()), os.environ.get("AMENT_PREFIX_PATH", ""))
         os.environ["AMENT_PREFIX_PATH"] = os.pathsep.join(filter(None, paths))
 

@@ -21,7 +21,7 @@ from rclpy_virtual_time.host.frames import (
 )
 from rclpy_virtual_time.link.errors import EngineError
 from rclpy_virtual_time.link.exchange import Flood, HostDied, HostHung
-from rclpy_virtual_time.link.live_hosts import LiveHosts
+from rclpy_virtual_time.link.live_hosts import MAX_IN_SLOT, LiveHosts
 
 BEGUN = 1_700_000_000_000_000_000  # [ns]
 SILENT: Any = SimpleNamespace(next_due=None, due=lambda now: [])
@@ -102,6 +102,15 @@ def test_what_is_said_before_time_begins_is_limited_in_all(hosts: LiveHosts) -> 
         for _ in range(10):
             hosts.radio.frames = [HeardNow([said(1, size=1_000_000)])]  # type: ignore[attr-defined]
             hosts.listen(0.0)
+
+
+def test_lenient_hosts_note_of_a_loop_without_a_wait_what_a_driver_would_take() -> None:
+    server: Any = SimpleNamespace()
+    hosts = LiveHosts(server, Path(), (), (), 0, SILENT, 20.0, lenient=True)
+    hosts.radio = Radio()  # type: ignore[assignment]
+    hosts.epoch = BEGUN
+    often = [said(BEGUN + n * 10_000) for n in range(2 * MAX_PUBLISHED)]  # in 80 ms
+    assert len(heard(hosts, *often, said(BEGUN, "/other"))) == 8 * MAX_IN_SLOT + 1
 
 
 @pytest.mark.parametrize("error", [HostDied(), HostHung("stacks")])

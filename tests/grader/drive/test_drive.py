@@ -25,6 +25,7 @@ from grader.drive import (
 from grader.drive.summary import NO_MAIN
 from grader.errors import InputError
 from grader.recording import Outcome, Recording
+from grader.trial.virtual_time import Limits
 from rclpy_virtual_time import Start
 from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario import Transforms
@@ -168,6 +169,58 @@ def test_what_is_wrong_with_the_topics(
 def as_float(number: int) -> str:
     """Return what C reads from an object of this Python where a float has its value."""
     return f"{c_double.from_address(id(number) + 16).value:.3g}"
+
+
+def test_ends_that_are_alike_are_one_line_and_no_lidar_says_where_there_is_one(
+    run_node: RunNode, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = """
+        rclpy.init(); node = Node('many')
+        for _ in range(40): node.create_subscription(LaserScan, '/scan', print, 10)
+        rclpy.spin(node)
+        """
+    said = summary(run_node(source, short(1.5, "demo_open")), capsys)
+    assert said.count("<- /scan") == 1
+    assert "reliable 0 messages, 40 times WARNING: the robot sends nothing here in" in said
+    assert "in demo_open; it does in demo_" in said
+
+
+LOOP = """
+rclpy.init(); node = Echo(); twist = Twist(); twist.linear.x = 0.2
+def loop():
+    while rclpy.ok(): node.publisher.publish(twist)
+"""
+
+
+@pytest.mark.parametrize(
+    "how", ["loop()", "threading.Thread(target=loop).start(); rclpy.spin(node)"]
+)
+def test_a_loop_without_a_sleep_drives_in_real_time(
+    how: str, tmp_path: Path, forkserver: ForkServer, capsys: pytest.CaptureFixture[str]
+) -> None:
+    more: dict[str, Any] = {"limits": Limits(start=1.0), "on_second_look": lambda: None}
+    recording = drive_file(tmp_path, forkserver, LOOP + how, **more)
+    said = summary(recording, capsys)
+    assert recording.truth.v[-1] == pytest.approx(0.2)
+    assert "1.0 s of real time;" in said
+    assert ", `while rclpy.ok(): node.publisher.publish(twist)`): give such a loop a ti" in said
+    assert "-> /cmd_vel geometry_msgs/msg/Twist reliable more than " in said
+
+
+def test_what_hangs_in_real_time_too_is_shown_with_its_topics(
+    tmp_path: Path,
+    forkserver: ForkServer,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Limits, "start", 2.0)
+    source, limits = "rclpy.init(); node = Echo()\nwhile True: pass", Limits(start=1.0)
+    once = drive_file(tmp_path, forkserver, source, limits=limits)  # as where there is no real time
+    assert "Topics not known: a node says" in summary(once, capsys)
+    more: dict[str, Any] = {"limits": limits, "on_second_look": lambda: None}
+    said = summary(drive_file(tmp_path, forkserver, source, **more), capsys)
+    assert "-> /cmd_vel geometry_msgs/msg/Twist" in said
+    assert ", and not in real time either" in said
 
 
 PROBLEMS = {  # a node's source: what stands below its topics, in part

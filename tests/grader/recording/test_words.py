@@ -33,8 +33,9 @@ def test_warnings_go_before_chatter_and_are_not_repeated() -> None:
 
 
 def test_stacks_that_the_judge_asked_for_are_not_the_nodes_words() -> None:
-    found = recording((2.0, "stderr", '  File "agent.py", line 7 in on_scan'))
-    assert words_of(found, 2.0) == []
+    told = ('  File "agent.py", line 7 in on_scan', "  Garbage-collecting", "")
+    found = recording(*((2.0, "stderr", line) for line in told))
+    assert words_of(found, 2.0) == told_lines(found.log) == []
 
 
 def test_the_newest_diagnostic_is_quoted_and_bytes_that_are_none_are_not() -> None:

@@ -7,7 +7,7 @@ import pytest
 from grader.course.submission import Submission
 from grader.recording import Outcome, Recording, death_of
 from grader.trial.endings import not_run
-from grader.trial.hangs import located
+from grader.trial.hangs import WANTS, busy_wait, located
 from sim.scenario_files import load_scenario
 from sim.simulation import Simulation
 
@@ -46,6 +46,9 @@ CONSTRUCTOR = """\
   File "agent.py", line 17 in work
   File "agent.py", line 14 in __init__
 """
+
+
+THREAD = '  File "agent.py", line 18 in work\n'
 
 
 WAITS = """\
@@ -90,6 +93,15 @@ def test_a_constructor_that_waits_is_not_advised_to_spin(tmp_path: Path) -> None
     assert death is not None
     assert (death.place, death.loop) == ("the constructor", "line 17, `while True:`")
     assert outcome.text.startswith("the node never spins: its program waits in the constructor")
+
+
+def test_a_loop_beside_spin_is_told_what_it_wants(tmp_path: Path) -> None:
+    recording = hung(tmp_path, THREAD)
+    death = death_of(recording.outcome.detail)
+
+    assert death is not None
+    assert (death.place, death.advice) == ("the start-up", WANTS)
+    assert "(line 17, `while True:`): give" in busy_wait(recording)
 
 
 @pytest.mark.parametrize("stacks", ["", "nonsense", '  File "/x/rclpy/executors.py", line 1 in f'])

@@ -236,6 +236,17 @@ def test_without_a_launch_file_the_program_that_is_meant(
     assert submission.path == tmp_path / "mine" / "two.py"
 
 
+@pytest.mark.parametrize("out", [(), ("mine.sub",)])
+def test_a_file_without_an_entry_point_runs_as_python3_runs_it(
+    out: tuple[str, ...], forkserver: ForkServer, tmp_path: Path
+) -> None:
+    setup = SETUP.replace('["test"]', f"{list(out)}")
+    file = "from mine.common import counted\nprint(__name__, counted())\n"
+    inside = {**MINE, "setup.py": setup, "mine/sub/__init__.py": "", "mine/sub/new.py": file}
+    lay(tmp_path, inside)
+    assert said(drive(find_submission(tmp_path / "mine/sub/new.py"), forkserver)) == ["__main__ 1"]
+
+
 def test_launch_files_that_are_not_in_python_are_left_to_a_person(
     forkserver: ForkServer, tmp_path: Path
 ) -> None:
@@ -324,6 +335,10 @@ BROKEN = {
         "`data_files` in setup.py has to install",
     ),
     "which": ({}, "an entry point as PACKAGE_FOLDER/NAME (one, two)"),
+    "which, and one is stale": (
+        {"setup.py": SETUP.replace("mine.two", "mine.gone")},
+        "an entry point as PACKAGE_FOLDER/NAME (one, two)",
+    ),
     "unknown": (
         {"a.launch.py": "from launch.actions import ExecuteProcess\nExecuteProcess(cmd=['ls'])"},
         "launch.actions.ExecuteProcess is not known here",
