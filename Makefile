@@ -1,9 +1,13 @@
 # Every command a person needs. `make` alone lists them.
 PYTHON ?= python3
-VENV := .venv
+# or ros-kilted, in .venv-kilted: one or the other, for their wheels have the same names
+ROS ?= ros
+VENV := .venv$(ROS:ros%=%)
 DEEP := .venv-deep
 BIN := $(VENV)/bin
 PIP := $(BIN)/pip --disable-pip-version-check --quiet
+KILTED := sed /^ros-/d constraints.txt | cat - constraints-kilted.txt
+INSTALL = $(if $(filter ros,$(ROS)),cat constraints.txt,$(KILTED)) | $(PIP) install --constraint /dev/stdin
 # Each process collects all tests and starts fork servers of its own
 WORKERS ?= $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
@@ -124,6 +128,8 @@ constraints: ## pin the newest versions that fit pyproject.toml
 	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros,ml,deep,cluster,desk,notebooks,foxglove,site,dev]' \
 	  'soupsieve<3' \
 	  | $(PYTHON) .ci/constraints.py > constraints.txt
+	$(PYTHON) -m pip install --dry-run --ignore-installed --quiet --report - '.[ros-kilted]' \
+	  | $(PYTHON) .ci/constraints.py ros- > constraints-kilted.txt
 
 clean: ## remove what can be made again
 	rm -rf $(VENV) $(DEEP) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache report.html
@@ -135,11 +141,11 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.course: $(VENV)/bin/python pyproject.toml constraints.txt
-	$(PIP) install --constraint constraints.txt --editable '.[ros]'
+	$(INSTALL) --editable '.[$(ROS)]'
 	touch $@
 
 $(VENV)/.dev: $(VENV)/.course
-	$(PIP) install --constraint constraints.txt --editable '.[ros,ml,cluster,desk,notebooks,foxglove,site,dev]'
+	$(INSTALL) --editable '.[$(ROS),ml,cluster,desk,notebooks,foxglove,site,dev]'
 	touch $@
 
 # PyTorch from the index of packages comes with CUDA, gigabytes of it. For its CPU build:

@@ -38,7 +38,7 @@ __all__ = [
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = "rclpy_agents_course"
 FOLDERS = ("grader", "sim", "exercises", "rclpy_virtual_time", "rclpy_portable")
-FILES = ("constraints.txt",)
+FILES = ("constraints.txt", "constraints-kilted.txt")
 LEFT_OUT = shutil.ignore_patterns(
     "__pycache__", "build", "*.pyc", ".unpacking-*", "resource",
     "expert.py",  # a wheel lies beside students' notebooks

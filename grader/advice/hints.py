@@ -20,7 +20,7 @@ from typing import Any
 from grader.advice.plain_words import INSTEAD
 from rclpy_virtual_time import Advice
 
-DISTRO = "jazzy"
+DISTRO = os.environ.get("ROS_DISTRO", "jazzy")  # hosts are told
 
 # Modules of ROS 2 that PyPI does not have, and the apt package of each without "ros-jazzy-".
 ONLY_APT = {name: name.replace("_", "-") for name in (

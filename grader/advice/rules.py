@@ -103,6 +103,18 @@ IMPORTS = {  # names: the line that brings them
     "QoSProfile|ReliabilityPolicy|DurabilityPolicy|qos_profile_sensor_data":
         r"from rclpy.qos import \1",
 }  # fmt: skip
+KILTED = "https://docs.ros.org/en/kilted/Releases/Release-Kilted-Kaiju.html"
+IN_KILTED = (  # kind of an exception, what it says: a name of rclpy's that Jazzy lacks
+    ("ImportError", r"^cannot import name '(TimerInfo|TimerCancelledError)' from 'rclpy\.(?:timer|"
+     r"node|executors|exceptions)'"),
+    ("ModuleNotFoundError", r"'(rclpy\.subscription_content_filter_options)'"),
+    ("AttributeError", r"^'\w+Executor' object has no attribute '(create_future)'"),
+    ("AttributeError", r"^'Action\w+' object has no attribute '(configure_introspection)'"),
+    ("TypeError", r"unexpected keyword argument '(rosout_qos_profile|content_filter_options|"
+     r"wait_for_threads)'"),
+    ("TypeError", r"^'(Client|Publisher|Service|Subscription|Timer|Node)' object does not support "
+     "the context"),
+)  # fmt: skip
 FROM = {names: line for names, line in IMPORTS.items() if line.startswith("from")}
 MODULES = "math|time|json|random|statistics|threading|pickle|onnxruntime|numpy|torch|keras|joblib"
 QOS = API + "rclpy.qos.html"
@@ -115,6 +127,8 @@ RULES = (
         for name, call in CREATE.items()
         for kind, text in WRONG_ORDER
     ),
+    *(Rule(kind, text, "", "rclpy has this from ROS 2 Kilted on (\\1), and here it is Jazzy's",
+           KILTED) for kind, text in IN_KILTED),
     Rule("AttributeError", r"property '(subscriptions|publishers|timers|clients|services|guards|"
          r"waitables|context|default_callback_group|handle)' of", "", OWNED, NODES),
     Rule("AttributeError", r"^(handle) cannot be modified", "", OWNED, NODES),
@@ -139,6 +153,8 @@ RULES = (
          "type. One of the two needs another type or another name", NODES),
     Rule("NotImplementedError", r"Service classes can not be instantiated", "",
          "a service type has two messages: Trigger.Request() and Trigger.Response()", NODES),
+    Rule("TimeoutError", "^$", r"\.call\(", "from ROS 2 Kilted on call() raises TimeoutError where "
+         "Jazzy's returns None: catch the one, and ask for the other", KILTED),
     Rule("TypeError", r"call_async\(\) missing|^$", r"\.call_async\(",
          "call_async takes a request object: client.call_async(Trigger.Request())", NODES),
     Rule("RuntimeError", r"Context\.init\(\) must only be called once", "",

@@ -43,7 +43,7 @@ from rclpy_virtual_time import Launcher
 ATTEMPTS = 2
 SEE_CAUSE = "See the cause."
 REPORTED_PACKAGES = (
-    "ros-jazzy-rclpy", "numpy", "pymunk", "rosbags", "pytest",
+    "ros-jazzy-rclpy", "ros-kilted-rclpy", "numpy", "pymunk", "rosbags", "pytest",
     "scikit-learn", "onnxruntime", "torch", "keras",
 )  # fmt: skip
 

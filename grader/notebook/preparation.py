@@ -56,7 +56,7 @@ def prepare_kernel() -> None:
     if ros.kind == RosEnvironment.PORTABLE:
         from rclpy_virtual_time import PracticeServer  # noqa: PLC0415  (needs what is installed now)
 
-        words = PracticeServer.practice
+        words = PracticeServer.words()
         said = f"{words[0].upper()}{words[1:]}. {never_run()}"
         print(said.strip(), flush=True)
 
@@ -65,8 +65,8 @@ def _ros() -> RosEnvironment:
     """Return the real ROS, or the portable one where there are no wheels of the real one."""
     try:
         return RosEnvironment.find()
-    except NoRos:
-        if RosEnvironment.has_wheels():
+    except NoRos as error:
+        if RosEnvironment.has_wheels() and not error.here:
             raise
         return RosEnvironment.portable()
 
@@ -76,8 +76,8 @@ def missing() -> list[str]:
     wanted = [one for one in (*required(), *required("ml"), "matplotlib") if not _is_here(one)]
     try:
         RosEnvironment.find()
-    except NoRos:
-        wanted += required("ros") if RosEnvironment.has_wheels() else []
+    except NoRos as error:  # its wheels would take the place of another ROS's
+        wanted += required("ros") if RosEnvironment.has_wheels() and not error.here else []
     return wanted
 
 

@@ -34,7 +34,7 @@ ENGINE = (
     "sim", "rclpy_virtual_time/host", "rclpy_virtual_time/link", "grader/advice", "grader/colcon",
     "grader/hosted", "grader/models", "grader/recording", "grader/trial",
 )  # fmt: skip
-LIBRARIES = ("ros-jazzy-rclpy", "numpy", "pymunk", "rosbags", "scikit-learn", "onnxruntime")
+LIBRARIES = ("ros-rclpy", "rclpy", "numpy", "pymunk", "rosbags", "scikit-learn", "onnxruntime")
 _SAID_OF_IT = {"title": "", "name": "", "description": ""}  # of a scenario; changes no recording
 ENGINES = 3  # whose recordings are kept; those of older ones are deleted
 

@@ -92,7 +92,7 @@ class Diagnosis:
         try:
             with ForkServer(EPOCH) as forkserver:
                 means = forkserver.means
-                ros = forkserver.ros.kind
+                ros = f"{forkserver.ros.distro.capitalize()}, {forkserver.ros.kind}"
         except EngineError as error:
             problem = str(error)
         return Diagnosis(

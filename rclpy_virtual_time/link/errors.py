@@ -13,7 +13,11 @@ class EngineError(Exception):
 
 
 class NoRos(EngineError):
-    """There is no ROS 2, or only one that virtual time was not made for."""
+    """There is no ROS 2, or only one (`here`, by its name) that virtual time was not made for."""
+
+    def __init__(self, said: str, here: str = "") -> None:
+        super().__init__(said)
+        self.here = here
 
 
 class DiskFull(EngineError):

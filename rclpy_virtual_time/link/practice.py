@@ -98,6 +98,7 @@ class PracticeServer:
         self._advice = advice
         self._workshop_libraries = tuple(workshop)
         self.ros = RosEnvironment.portable()
+        self.practice = PracticeServer.words()
         self._lock = threading.Lock()
         self._ready: deque[PracticeHost] = deque()
         self._workshop: PracticeServer | None = None
@@ -123,6 +124,16 @@ class PracticeServer:
         except NoRos as error:
             return str(error)
         return ""
+
+    @staticmethod
+    def words() -> str:
+        """Say that it is practice, and why where a ROS 2 is here all the same."""
+        try:
+            RosEnvironment.find()
+        except NoRos as error:
+            if error.here:
+                return f"{error.here} is here; this is Jazzy's portable copy, for {PRACTICE}"
+        return PRACTICE
 
     @property
     def workshop(self) -> PracticeServer:

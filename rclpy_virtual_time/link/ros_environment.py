@@ -17,16 +17,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from rclpy_portable import unpacking
+from rclpy_portable import DISTRO, unpacking
 from rclpy_portable.wheels import DownloadFailed
 from rclpy_virtual_time.link import system
 from rclpy_virtual_time.link.errors import NoRos
 
-DISTRO = "jazzy"
-RCLPY = "7.1"  # Jazzy's, whose names virtual time replaces (rclpy_virtual_time/host/virtual)
+# rclpy's versions whose names virtual time replaces (rclpy_virtual_time/host/virtual)
+GRADED = {"7.1": "jazzy", "9.1": "kilted"}
 HOW_TO_INSTALL = (
     "install the wheels with `pip install '.[ros]'`, or source /opt/ros/jazzy/setup.bash"
 )
+# two ROSes' wheels have the same names, and one would take the other's place
+BESIDE = "`pip install '.[ros]'` in a fresh virtual environment brings Jazzy's beside it"
 NO_WHEELS = "there are no wheels of it for"
 # its stamps are those of the machine, as the stamps of DDS are
 PORTABLE_PRELUDE = (
@@ -49,13 +51,14 @@ class RosEnvironment:
     library_path: tuple[Path, ...]  # folders of shared libraries
     prefixes: tuple[Path, ...]  # AMENT_PREFIX_PATH
     prelude: str = ""  # Python that a host runs before virtual time is put under its clocks
+    distro: str = DISTRO  # whose it is
 
     def variables(self) -> dict[str, str]:
         """Return the environment variables of a process that imports rclpy."""
         return {
             "AMENT_PREFIX_PATH": os.pathsep.join(map(str, self.prefixes)),
             "LD_LIBRARY_PATH": os.pathsep.join(map(str, self.library_path)),
-            "ROS_DISTRO": DISTRO,
+            "ROS_DISTRO": self.distro,
             # The wheels' start-up hook would execute Python a second time to set these.
             "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1",
         }
@@ -96,28 +99,38 @@ class RosEnvironment:
         variables = dict(os.environ) if environ is None else environ
         folders = list(_site_folders() if folders is None else folders)
         found = [ros for ros in (_from_apt(variables), _from_wheels(folders)) if ros is not None]
-        versions = [_version(ros.python_path) for ros in found]
-        for ros, version in zip(found, versions, strict=True):
-            if version == RCLPY:
+        for ros in found:
+            if ros.distro in GRADED.values():
                 return ros
-        others = "".join(
-            f" (the one in {ros.prefixes[0]} has rclpy {version}, and this is made for {RCLPY})"
-            for ros, version in zip(found, versions, strict=True)
-        )
+        if found or variables.get("ROS_DISTRO", "") not in ("", *GRADED.values()):
+            name = found[0].distro if found else variables["ROS_DISTRO"]
+            here = f"ROS 2 {name.capitalize()}" if name.isalpha() else name
+            place = f" in {found[0].prefixes[0]}" if found else ""
+            advice = BESIDE if system.has_ros_wheels() else f"{NO_WHEELS} {system.name()}"
+            raise NoRos(f"{here} is here{place}, expected {_names()}: {advice}", here)
         advice = HOW_TO_INSTALL if system.has_ros_wheels() else f"{NO_WHEELS} {system.name()}"
-        raise NoRos(f"ROS 2 {DISTRO.capitalize()} was not found{others}: {advice}")
+        raise NoRos(f"ROS 2 {_names()} was not found: {advice}")
+
+
+def _names() -> str:
+    return " or ".join(map(str.capitalize, GRADED.values()))
 
 
 def _tell(text: str) -> None:
     print(f"course: {text}", file=sys.stderr)
 
 
-def _version(folders: Iterable[Path]) -> str:
-    """Return the version of the first rclpy in these folders, as in "7.1"; "?" if it says none."""
+def _distro(folders: Iterable[Path], said: str = "") -> str:
+    """Name the ROS of the first rclpy in these folders; an unknown one is what it is `said` to be.
+
+    Without a name, it is "rclpy 8.0".
+    """
     folder = next(folder for folder in folders if _has_rclpy(folder))
     names = " ".join(path.name for path in folder.glob("rclpy-*-info"))
-    said = re.search(r"rclpy-(\d+\.\d+)", names)
-    return said[1] if said else "?"
+    version = re.search(r"rclpy-(\d+\.\d+)", names)
+    number = version[1] if version else "?"
+    known = GRADED.get(number, "")
+    return known or (said if said not in GRADED.values() else "") or f"rclpy {number}"
 
 
 def _from_apt(environ: dict[str, str]) -> RosEnvironment | None:
@@ -126,7 +139,8 @@ def _from_apt(environ: dict[str, str]) -> RosEnvironment | None:
     if not prefixes or not any(_has_rclpy(path) for path in paths):
         return None
     libraries = [Path(p) for p in environ.get("LD_LIBRARY_PATH", "").split(os.pathsep) if p]
-    return RosEnvironment("apt", tuple(paths), tuple(libraries), tuple(prefixes))
+    distro = _distro(paths, environ.get("ROS_DISTRO", ""))
+    return RosEnvironment("apt", tuple(paths), tuple(libraries), tuple(prefixes), distro=distro)
 
 
 def _from_wheels(folders: Iterable[Path]) -> RosEnvironment | None:
@@ -137,7 +151,9 @@ def _from_wheels(folders: Iterable[Path]) -> RosEnvironment | None:
             continue
         prefix = folder.parents[2]  # PREFIX/lib/pythonX.Y/site-packages
         kind = "wheels" if str(folder) in sys.path else "system wheels"
-        return RosEnvironment(kind, (folder,), (*bundled, prefix / "lib"), (prefix,))
+        libraries = (*bundled, prefix / "lib")
+        distro = _distro([folder])
+        return RosEnvironment(kind, (folder,), libraries, (prefix,), distro=distro)
     return None
 
 

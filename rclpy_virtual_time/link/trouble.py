@@ -25,6 +25,7 @@ MEMINFO, CGROUP = Path("/proc/meminfo"), Path("/sys/fs/cgroup")
 CONSTRAINTS = Path(__file__).resolve().parents[2] / "constraints.txt"
 DECIDE = (  # distributions on which a verdict may depend
     "numpy", "pymunk", "time-machine", "ros-jazzy-rclpy", "ros-jazzy-rmw-fastrtps-cpp",
+    "ros-kilted-rclpy", "ros-kilted-rmw-fastrtps-cpp",
     "scikit-learn", "onnx", "onnxruntime", "skl2onnx", "torch", "keras",
 )  # fmt: skip
 
@@ -82,7 +83,8 @@ def _descriptors() -> Iterator[str]:
 def _versions() -> Iterator[str]:
     """Compare what is installed with what the course is tested with."""
     try:
-        lines = CONSTRAINTS.read_text("utf-8").splitlines()
+        files = CONSTRAINTS.parent.glob("constraints*.txt")  # those of Kilted have other names
+        lines = [line for file in files for line in file.read_text("utf-8").splitlines()]
     except OSError:
         return
     tested = dict(line.split("==", 1) for line in lines if "==" in line)

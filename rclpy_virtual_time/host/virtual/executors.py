@@ -1,7 +1,7 @@
 """Put the kernel under rclpy: the wait of its executors, its clocks and its timers.
 
 The student's own executor runs unchanged; only the places where it would wait for real are
-replaced. Written against rclpy 7.1 (Jazzy).
+replaced. Written against rclpy 7.1 (Jazzy) and 9.1 (Kilted).
 """
 
 from __future__ import annotations

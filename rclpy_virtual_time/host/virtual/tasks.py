@@ -1,6 +1,6 @@
 """Put the kernel under rclpy's tasks: callbacks and coroutines that an executor may run.
 
-Written against rclpy 7.1 (Jazzy).
+Written against rclpy 7.1 (Jazzy) and 9.1 (Kilted).
 """
 
 from __future__ import annotations

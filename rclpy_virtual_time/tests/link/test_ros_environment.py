@@ -3,10 +3,12 @@
 import os
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
 from rclpy_virtual_time.link.errors import NoRos
+from rclpy_virtual_time.link.practice import PracticeServer
 from rclpy_virtual_time.link.ros_environment import RosEnvironment
 
 VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
@@ -139,11 +141,40 @@ def test_the_real_one() -> None:
     assert all(path.is_dir() for path in ros.library_path)
 
 
-def test_another_rclpy_is_not_taken_for_jazzys(tmp_path: Path, venv: Path) -> None:
-    root = tmp_path / "opt" / "ros" / "kilted"
-    packages = install(root / "lib" / f"python{VERSION}" / "site-packages", rclpy="9.1.1")
-    sourced = {"AMENT_PREFIX_PATH": str(root), "PYTHONPATH": str(packages)}
+def sourced(tmp_path: Path, distro: str, rclpy: str, python: str = VERSION) -> dict[str, str]:
+    root = tmp_path / "opt" / "ros" / distro
+    packages = install(root / "lib" / f"python{python}" / "site-packages", python, rclpy)
+    return {"AMENT_PREFIX_PATH": str(root), "PYTHONPATH": str(packages), "ROS_DISTRO": distro}
 
-    assert "wheels" in RosEnvironment.find(sourced, [venv]).kind
-    with pytest.raises(NoRos, match=r"kilted has rclpy 9\.1, and this is made for 7\.1"):
-        RosEnvironment.find(sourced, [])
+
+def test_kilted_is_graded_too(tmp_path: Path, venv: Path) -> None:
+    ros = RosEnvironment.find(sourced(tmp_path, "kilted", "9.1.1"), [venv])
+
+    assert (ros.kind, ros.variables()["ROS_DISTRO"]) == ("apt", "kilted")
+    wheels = bundle(install(tmp_path / "lib/python/site-packages", rclpy="9.1.2"))[0].parent
+    assert RosEnvironment.find({}, [wheels]).distro == "kilted"
+
+
+@pytest.mark.parametrize(
+    ("distro", "rclpy", "python", "here"),
+    [
+        ("lyrical", "10.0.3", VERSION, "ROS 2 Lyrical"),
+        ("lyrical", "10.0.3", "2.7", "ROS 2 Lyrical"),  # for another Python than this
+        ("humble", "3.3.12", VERSION, "ROS 2 Humble"),
+        ("", "10.0.3", VERSION, "rclpy 10.0"),
+        ("kilted", "9.2.0", VERSION, "rclpy 9.2"),  # a workspace of its own on top
+    ],
+)
+def test_another_rclpy_is_named_and_nothing_is_installed_over_it(
+    distro: str, rclpy: str, python: str, here: str, tmp_path: Path, venv: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    environ = sourced(tmp_path, distro, rclpy, python)
+    assert "wheels" in RosEnvironment.find(environ, [venv]).kind
+    with pytest.raises(NoRos, match=rf"^{here} is here.*, expected Jazzy or Kilted: ") as caught:
+        RosEnvironment.find(environ, [])
+    assert caught.value.here == here
+    assert "in a fresh virtual environment" in str(caught.value)
+    refused = NoRos(str(caught.value), here)
+    monkeypatch.setattr(RosEnvironment, "find", Mock(side_effect=refused))
+    assert PracticeServer.words().startswith(f"{here} is here; this is Jazzy's portable copy, for")

@@ -10,6 +10,7 @@ import pytest
 
 from grader.advice.deaths import account_of_syntax
 from grader.advice.rules import RULES, wait_for_good
+from rclpy_virtual_time import RosEnvironment
 
 PRELUDE = """
 import json, math, pickle, sys
@@ -154,6 +155,15 @@ MEANT = {
     "self.create_publisher(Status, '/st', 10).publish(Status(values=[d.KeyValue(value=3.5)]))":
         "`value` of KeyValue takes string, and was given 3.5",
 }  # fmt: skip
+NEWER = {  # on Jazzy, whose portable copy says the same
+    "from rclpy.timer import TimerInfo": "from ROS 2 Kilted on (TimerInfo)",
+    "from rclpy.subscription_content_filter_options import ContentFilterOptions": "Kilted on (rcl",
+    "rclpy.get_global_executor().create_future()": "Kilted on (create_future)",
+    "Node('m', rosout_qos_profile=1)": "Kilted on (rosout_qos_profile)",
+    "with self.create_client(Trigger, '/d'): pass": "Kilted on (Client)",
+}
+if RosEnvironment.find().distro == "jazzy":
+    MEANT |= NEWER
 SYNTAX = {
     "```python\nimport math": "``` is Markdown",
     "%%node agent.py\nimport math": "Python only",

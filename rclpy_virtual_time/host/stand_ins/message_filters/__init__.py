@@ -17,7 +17,7 @@ from rclpy.time import Time
 
 print(
     "message_filters: pip has no package of it, so this is a stand-in; "
-    "`source /opt/ros/jazzy/setup.bash` before the start brings ROS's own",
+    "`source /opt/ros/…/setup.bash` before the start brings ROS's own",
     file=sys.stderr,
 )
 

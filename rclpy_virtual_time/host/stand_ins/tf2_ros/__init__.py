@@ -45,6 +45,6 @@ __all__ = [
 
 print(
     "tf2_ros: pip has no package of it, so this is a stand-in, without BufferClient and "
-    "BufferServer; `source /opt/ros/jazzy/setup.bash` before the start brings ROS's own",
+    "BufferServer; `source /opt/ros/…/setup.bash` before the start brings ROS's own",
     file=sys.stderr,
 )
