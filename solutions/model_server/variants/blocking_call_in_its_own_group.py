@@ -32,7 +32,10 @@ class Client(Node):
     def ask(self):
         if not self.client.service_is_ready():
             return
-        response = self.client.call(Trigger.Request(), timeout_sec=1.0)
+        try:
+            response = self.client.call(Trigger.Request(), timeout_sec=1.0)
+        except TimeoutError:  # from ROS 2 Kilted on; Jazzy returns None
+            response = None
         if response is None:
             self.get_logger().warning("gave a request up")
         elif response.success:
