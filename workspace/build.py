@@ -91,6 +91,7 @@ EMPTY = ("numpy/_core/_add_newdocs.py", "numpy/_core/_add_newdocs_scalars.py")  
 NOT_OF_PYTHON = re.compile(
     r"^(ensurepip|idlelib|lib2to3|pydoc_data|sqlite3|test|tkinter|turtle|xmlrpc|mailbox|wsgiref|curses"
     r"|(aifc|cgi|cgitb|ftplib|imaplib|modulefinder|nntplib|pipes|poplib|smtplib|sndhdr|sunau|telnetlib"
+    r"|http/(cookiejar|server)|multiprocessing/managers"  # no page has a network, or processes
     r"|pyclbr|venv|webbrowser|xdrlib|zipapp|pydoc|unittest/mock|xml/(dom|sax))\b|dbm|encodings/(?!__init__|aliases|ascii|cp437|idna|latin_1|punycode|raw_unicode|unicode|utf_)"
     r"|_py(io|datetime)\b|asyncio/(proactor|windows))"  # what C has, and Windows
 )
