@@ -328,11 +328,11 @@ def install(discovery: Discovery, unheard: Callable[[Any], list[Missed]]) -> Non
     lost = itertools.count(1)
 
     def virtual_publish(self: Any, msg: Any) -> None:
-        if discovery.calm or "_course_party" not in self.__dict__:
+        party = None if discovery.calm else self.__dict__.get("_course_party")
+        if party is None or not party.context.ok():
             publish(self, msg)
         else:
-            context = self._course_party.context
-            discovery.publish(self, lambda: publish(self, msg), unheard(context))
+            discovery.publish(self, lambda: publish(self, msg), unheard(party.context))
 
     def virtual_is_ready(self: Any) -> bool:
         return bool(is_ready(self)) and discovery.finds_server(self)

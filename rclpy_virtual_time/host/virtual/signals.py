@@ -130,8 +130,19 @@ def install_alone(
 
 def _shut_down(context: Any) -> None:
     """Shut a context down as rclpy does on a signal: in C, so no on_shutdown callback is called."""
-    context._callbacks, context._logging_initialized = [], False
+    if not hasattr(context, "_cleanup"):  # Jazzy's
+        context._callbacks, context._logging_initialized = [], False
+        return context.try_shutdown()
+    context._cleanup = context.handle.shutdown  # nodes stay until Kilted's shutdown()
     context.try_shutdown()
+    context._cleanup = lambda: _end_nodes(context)
+
+
+def _end_nodes(context: Any) -> None:
+    """Clean up as Kilted's shutdown() does after a signal, which leaves nothing to do in C."""
+    handle, context._Context__context = context.handle, None
+    type(context)._cleanup(context)
+    context._Context__context = handle
 
 
 def _wake_up_loop(number: int) -> None:
