@@ -130,12 +130,13 @@ def install_alone(
 
 def _shut_down(context: Any) -> None:
     """Shut a context down as rclpy does on a signal: in C, so no on_shutdown callback is called."""
-    if not hasattr(context, "_cleanup"):  # Jazzy's
+    if hasattr(context, "_cleanup"):  # Kilted's, whose nodes stay until it calls shutdown()
+        context._cleanup = context.handle.shutdown
+        context.try_shutdown()
+        context._cleanup = lambda: _end_nodes(context)
+    else:
         context._callbacks, context._logging_initialized = [], False
-        return context.try_shutdown()
-    context._cleanup = context.handle.shutdown  # nodes stay until Kilted's shutdown()
-    context.try_shutdown()
-    context._cleanup = lambda: _end_nodes(context)
+        context.try_shutdown()
 
 
 def _end_nodes(context: Any) -> None:
