@@ -14,6 +14,7 @@ VERSIONS = {  # distribution: version; the same as in constraints.txt (a test co
     "ros-rclpy": "7.1.6",
     "ros-ament-index-python": "1.8.1",
     "ros-rpyutils": "0.4.2",
+    "ros-rosidl-adapter": "4.6.6",
     "ros-rosidl-parser": "4.6.6",
     "ros-action-msgs": "2.0.3",
     "ros-actionlib-msgs": "5.3.6",

@@ -15,7 +15,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import thread as futures
 from pathlib import Path
 
-from . import advice, imports, randomness
+from . import advice, imports, packages, randomness
 from .frames import Ended, Note, ProgramStart, Start
 from .source import compiled
 from .virtual import signals
@@ -61,6 +61,7 @@ def enter_folders(programs: Iterable[ProgramStart]) -> None:
     folders = [str(folder_of(program)) for program in programs]
     installed = Path("share", "ament_index").is_dir()  # as a package is, and can be imported
     imports.host.enter(dict.fromkeys([*folders, str(Path.cwd())] if installed else folders))
+    packages.offer([Path.cwd() / "share", *map(Path, folders)])
     if installed:  # `get_package_share_directory` looks
         paths = (str(Path.cwd()), os.environ.get("AMENT_PREFIX_PATH", ""))
         os.environ["AMENT_PREFIX_PATH"] = os.pathsep.join(filter(None, paths))

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rclpy_virtual_time.host import packages
+
 if TYPE_CHECKING:
     from rclpy_virtual_time.testing.virtual_time import TestHosts
 
@@ -37,6 +39,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Offer the fixture, unless this is a host that runs one test in virtual time."""
     config.addinivalue_line("markers", MARKER)
+    here = config.rootpath  # a package's folder, or the workspace
+    packages.offer((here, here / "src", *([here.parent] * (here / "package.xml").is_file())))
     if config.pluginmanager.has_plugin(HOST):
         return
     portable = config.getoption("virtual_time_portable")

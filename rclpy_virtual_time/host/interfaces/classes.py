@@ -1,4 +1,4 @@
-"""Python classes of messages, as rosidl generates them.
+"""Python classes of messages, services and actions, as rosidl generates them.
 
 Jazzy's own do not check a field's type before a message is sent. These check what would fail then:
 text, messages and lists of messages. A wrong number becomes what it becomes on a robot.
@@ -9,36 +9,112 @@ from __future__ import annotations
 import array
 import functools
 from collections.abc import Callable, Mapping
+from textwrap import dedent
 from typing import Any
 
 from rosidl_parser import definition as idl
 
-from .definitions import Field, class_of, parse, shown
+from .definitions import Field, Message, class_of, parse, shown, type_of
 
 SUPPORT = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE",
            "_TYPE_SUPPORT")  # fmt: skip
 
 
-def define(package: str, definitions: Mapping[str, str]) -> dict[str, type]:
-    """Return the classes of a package's messages, by name.
+def define(package: str, definitions: Mapping[str, str], kind: str = "msg") -> dict[str, Any]:
+    """Return the classes of a package's interfaces, by name, with the messages that they have.
 
     Parameters
     ----------
     package
         Its name, for example "ackermann_msgs".
     definitions
-        The text of each message's .msg file, by the name of the message.
+        The text of each interface's file, by the name of the interface.
+    kind
+        "msg", "srv" or "action".
 
     Raises
     ------
     ValueError
         A line is not in the format.
     """
-    return {name: _class(package, name, text) for name, text in definitions.items()}
+    made: dict[str, Any] = {}
+    for name, text in definitions.items():
+        messages = parse(package, kind, name, dedent(text))
+        made |= {message.type.name: _class(message) for message in messages}
+        whole, parts = idl.NamespacedType([package, kind], name), [m.as_idl() for m in messages]
+        if kind == "srv":
+            _add_service(made, idl.Service(whole, *parts))
+        elif kind == "action":
+            _add_action(made, idl.Action(whole, *parts))
+    return made
 
 
-def _class(package: str, name: str, text: str) -> type:
-    fields, constants = parse(package, text)
+def _add_service(made: dict[str, Any], service: idl.Service) -> Any:
+    parts = {
+        part: _made(made, getattr(service, f"{part.lower()}_message"))
+        for part in ("Request", "Response", "Event")
+    }
+    described = {f"{part.lower()}_message": type_of(cls) for part, cls in parts.items()}
+    return _add_group(made, service.namespaced_type, described, parts)
+
+
+def _add_action(made: dict[str, Any], action: idl.Action) -> None:
+    from action_msgs.msg import GoalStatusArray  # noqa: PLC0415  (few programs have actions)
+    from action_msgs.srv import CancelGoal  # noqa: PLC0415
+
+    parts = {
+        part: _made(made, getattr(action, part.lower())) for part in ("Goal", "Result", "Feedback")
+    }
+    described = {part.lower(): type_of(cls) for part, cls in parts.items()}
+    impl = {
+        "SendGoalService": _add_service(made, action.send_goal_service),
+        "GetResultService": _add_service(made, action.get_result_service),
+        "FeedbackMessage": _made(made, action.feedback_message),
+    }
+    names = ("send_goal_service", "get_result_service", "feedback_message")
+    described |= {name: type_of(cls) for name, cls in zip(names, impl.values(), strict=True)}
+    impl |= {"CancelGoalService": CancelGoal, "GoalStatusMessage": GoalStatusArray}
+    parts["Impl"] = type("Impl", (), impl)
+    _add_group(made, action.namespaced_type, described, parts)
+
+
+def _made(made: dict[str, Any], message: idl.Message) -> Any:
+    """Return the class of a message; make it if it is one that rosidl adds."""
+    type_ = message.structure.namespaced_type
+    if type_.name not in made:
+        fields = [Field(member.name, member.type) for member in message.structure.members]
+        made[type_.name] = _class(Message(type_, fields, {}))
+    return made[type_.name]
+
+
+def _add_group(
+    made: dict[str, Any], type_: Any, described: Mapping[str, Any], parts: Mapping[str, Any]
+) -> Any:
+    """Make the class of a service or an action; `described`: of what rosidl says it consists."""
+
+    def __init__(self: Any) -> None:  # noqa: N807
+        raise NotImplementedError(f"{type_.name} can not be instantiated")
+
+    def import_type_support(metaclass: Any) -> None:
+        from . import native  # noqa: PLC0415  (it needs ROS's libraries)
+
+        metaclass._TYPE_SUPPORT = native.group("/".join(type_.namespaced_name()), cls)
+
+    support = {"_TYPE_SUPPORT": None, "__import_type_support__": classmethod(import_type_support)}
+    cls: Any = type(f"Metaclass_{type_.name}", (type,), support)(type_.name, (), {
+        "__module__": ".".join(type_.namespaces),
+        "__init__": __init__,
+        "SLOT_TYPES": tuple(described.values()),
+        "get_fields_and_field_types": classmethod(lambda _: dict.fromkeys(described, "")),
+        **parts,
+    })  # fmt: skip
+    made[type_.name] = cls
+    return cls
+
+
+def _class(message: Message) -> type:
+    type_, fields, constants = message
+    name, module = type_.name, ".".join(type_.namespaces)
 
     def __init__(self: Any, **values: Any) -> None:  # noqa: N807
         self._check_fields = values.get("check_fields", False)
@@ -53,7 +129,7 @@ def _class(package: str, name: str, text: str) -> type:
 
     def __repr__(self: Any) -> str:  # noqa: N807
         values = ", ".join(f"{field.name}={getattr(self, field.name)!r}" for field in fields)
-        return f"{package}.msg.{name}({values})"
+        return f"{module}.{name}({values})"
 
     def types(_cls: Any) -> dict[str, str]:
         return dict(_cls._fields_and_field_types)
@@ -61,16 +137,18 @@ def _class(package: str, name: str, text: str) -> type:
     def import_type_support(metaclass: Any) -> None:
         from . import native  # noqa: PLC0415  (it needs ROS's libraries)
 
-        for each, capsule in native.capsules(f"{package}/msg/{name}", cls, SUPPORT).items():
+        whole = "/".join(type_.namespaced_name())
+        for each, capsule in native.capsules(whole, cls, SUPPORT).items():
             setattr(metaclass, each, capsule)
 
     support = dict.fromkeys(SUPPORT) | {"__import_type_support__": classmethod(import_type_support)}
     cls: Any = type(f"Metaclass_{name}", (type,), support)(name, (), {
-        "__module__": f"{package}.msg",
+        "__module__": module,
         "__doc__": f"Message class '{name}'.",
         "__slots__": [*(f"_{field.name}" for field in fields), "_check_fields"],
         "_fields_and_field_types": {field.name: shown(field.type) for field in fields},
         "SLOT_TYPES": tuple(field.type for field in fields),
+        "_where": {field.name: field.where for field in fields if field.where},
         "__init__": __init__, "__eq__": __eq__, "__repr__": __repr__,
         "__hash__": None,  # as generated messages: they can be changed
         "get_fields_and_field_types": classmethod(types),

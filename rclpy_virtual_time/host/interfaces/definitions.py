@@ -1,27 +1,32 @@
-"""The fields and constants of a message, from its .msg text and from its class.
+"""The types of interfaces, from the text of their files and from their classes.
 
-The format: https://docs.ros.org/en/jazzy/Concepts/Basic/About-Interfaces.html
+The text is read by rosidl's own parser, as colcon has it read. The format:
+https://docs.ros.org/en/jazzy/Concepts/Basic/About-Interfaces.html
 """
 
 from __future__ import annotations
 
-import ast
+import contextlib
 import hashlib
 import importlib
+import io
 import json
-import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from rosidl_adapter import parser
 from rosidl_parser import definition as idl
 
 BASIC = {"bool": "boolean", "byte": "octet", "char": "uint8", "float32": "float",
          "float64": "double"}  # fmt: skip
 BASIC |= {f"{sign}int{bits}": f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
-LINE = re.compile(
-    r"(?P<base>[\w/]+)(?:<=(?P<longest>\d+))?(?P<many>\[(?:<=)?\d*\])?"
-    r"\s+(?P<name>\w+)\s*(?P<constant>=)?\s*(?P<value>.*)"
-)
+SECTIONS = {  # what is told apart by lines of ---
+    "msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback"),
+}  # fmt: skip
+FORM = "expected TYPE name, TYPE name default, or TYPE NAME=value"
+MAX_VALUES = 10_000_000  # in a new message
+MAX_DEPTH = 30  # messages in one another
+FILLING = ("structure_needs_at_least_one_member", idl.BasicType("uint8"))  # rosidl's
 
 # type_description_interfaces/msg/FieldType
 NESTED, STRING, WSTRING, BOUNDED_STRING, BOUNDED_WSTRING = 1, 17, 18, 21, 22
@@ -37,7 +42,21 @@ class Field(NamedTuple):
 
     name: str
     type: Any  # of rosidl_parser.definition, as in SLOT_TYPES
-    default: Any  # None: zero, empty
+    default: Any = None  # None: zero, empty
+    where: str = ""  # file and line
+
+
+class Message(NamedTuple):
+    """A message, or one of those that a service or an action is made of."""
+
+    type: idl.NamespacedType
+    fields: list[Field]
+    constants: dict[str, Any]
+
+    def as_idl(self) -> idl.Message:
+        """Return it as rosidl has it."""
+        members = [idl.Member(field.type, field.name) for field in self.fields]
+        return idl.Message(idl.Structure(self.type, members))
 
 
 class FieldType(NamedTuple):
@@ -49,51 +68,128 @@ class FieldType(NamedTuple):
     nested_type_name: str = ""
 
 
-def parse(package: str, text: str) -> tuple[list[Field], dict[str, Any]]:
-    """Return the fields and the constants of a .msg file.
+def parse(package: str, kind: str, name: str, text: str) -> list[Message]:
+    """Return the messages of a file: one, a service's two, or an action's three.
 
     Raises
     ------
     ValueError
-        A line is not in the format.
+        A line is not in the format; the file and the line are named.
     """
-    fields, constants = [], {}
-    for line in filter(None, (line.partition("#")[0].strip() for line in text.splitlines())):
-        found = LINE.fullmatch(line)
-        if found is None:
-            raise ValueError(f"{line!r} is no field of a message")
-        value = ast.literal_eval(found["value"].capitalize()) if found["value"] else None
-        if found["constant"]:
-            constants[found["name"]] = value
+    file = f"{package}/{kind}/{name}.{kind}"
+    if not parser.VALID_MESSAGE_NAME_PATTERN.fullmatch(name):
+        raise ValueError(f"{file}: expected a name of letters and digits, such as MyType")
+    sections: list[list[tuple[int, str]]] = [[]]
+    for number, line in enumerate(text.splitlines(), 1):
+        if line == "---" and kind != "msg":
+            sections.append([])
         else:
-            fields.append(Field(found["name"], _type(package, found), value))
-    return fields, constants
+            sections[-1].append((number, line))
+    suffixes = SECTIONS[kind]
+    if len(sections) != len(suffixes):
+        lines = f"{len(suffixes) - 1} line{'s' * (kind == 'action')} ---"
+        raise ValueError(f"{file}: expected {lines} without spaces, found {len(sections) - 1}")
+    return [
+        _message(idl.NamespacedType([package, kind], name + suffix), file, lines)
+        for suffix, lines in zip(suffixes, sections, strict=True)
+    ]
 
 
-def _type(package: str, found: re.Match[str]) -> Any:
-    base, longest, many = found["base"], int(found["longest"] or 0), found["many"]
-    kind: Any
-    if base in BASIC:
-        kind = idl.BasicType(BASIC[base])
-    elif base in ("string", "wstring"):
-        kind = idl.BoundedString(longest) if longest else idl.UnboundedString()
-        if base == "wstring":
-            kind = idl.BoundedWString(longest) if longest else idl.UnboundedWString()
-    else:
-        base = "std_msgs/Header" if base == "Header" else base
-        owner, _, name = base.rpartition("/")
-        kind = idl.NamespacedType([owner.partition("/")[0] or package, "msg"], name)
-    if many is None:
-        return kind
-    size = int(many.strip("[<=]") or 0)
-    if "<=" in many:
-        return idl.BoundedSequence(kind, size)
-    return idl.Array(kind, size) if size else idl.UnboundedSequence(kind)
+def _message(type_: idl.NamespacedType, file: str, lines: list[tuple[int, str]]) -> Message:
+    found = Message(type_, [], {})
+    for number, line in lines:
+        where = f"{file}, line {number}"
+        try:
+            with contextlib.redirect_stderr(io.StringIO()):  # it prints what it raises
+                read = parser.parse_message_string(type_.namespaces[0], type_.name, line)
+            for each in read.fields:
+                if any(each.name == field.name for field in found.fields):
+                    raise ValueError(f"there is a field {each.name} already")
+                value = _value(each.type, each.default_value)
+                found.fields.append(Field(each.name, _type(each.type), value, where))
+            for each in read.constants:
+                found.constants[each.name] = _value(parser.Type(each.type), each.value)
+        except Exception as error:  # its kinds are many
+            raise ValueError(f"{where}: {line.strip()!r}: {FORM} ({error})") from None
+    return found
+
+
+def _value(kind: Any, value: Any) -> Any:
+    if kind.type != "byte" or value is None:
+        return value
+    return [bytes([each]) for each in value] if kind.is_array else bytes([value])
+
+
+def _type(kind: Any) -> Any:
+    element: Any
+    bound, size = kind.string_upper_bound, kind.array_size
+    if kind.pkg_name is not None:
+        element = idl.NamespacedType([kind.pkg_name, "msg"], kind.type)
+    elif kind.type == "string":
+        element = idl.BoundedString(bound) if bound else idl.UnboundedString()
+    elif kind.type == "wstring":
+        element = idl.BoundedWString(bound) if bound else idl.UnboundedWString()
+    elif kind.type in BASIC:
+        element = idl.BasicType(BASIC[kind.type])
+    else:  # time, duration
+        raise ValueError(f"in ROS 2 it is builtin_interfaces/{kind.type.capitalize()}")
+    if kind.is_upper_bound:
+        return idl.BoundedSequence(element, size)
+    if kind.is_array:
+        return idl.Array(element, size) if size else idl.UnboundedSequence(element)
+    return element
+
+
+def weigh(cls: Any, known: dict[Any, int], above: tuple[Any, ...] = ()) -> int:
+    """Return how many values a new message has, with those of the messages in it.
+
+    Raises
+    ------
+    ValueError
+        They are too many, a type is not there, or a message is part of itself.
+    ModuleNotFoundError
+        A package is not there.
+    """
+    if cls in above or len(above) > MAX_DEPTH:
+        names = " in ".join(each.__name__ for each in reversed((*above[-5:], cls)))
+        raise ValueError(f"{cls.__module__}: part of itself, or of {MAX_DEPTH} others: {names}")
+    if cls not in known:
+        total = 0
+        for name, kind in fields_of(cls):
+            element = element_of(kind)
+            where = getattr(cls, "_where", {}).get(name, f"{cls.__module__}.{cls.__name__}")
+            values = kind.size if isinstance(kind, idl.Array) else 1
+            if isinstance(element, idl.NamespacedType):
+                values *= weigh(_found(element, where), known, (*above, cls))
+            total += values
+            if total > MAX_VALUES:
+                raise ValueError(f"{where}: a message of more than {MAX_VALUES:,} values")
+        known[cls] = total
+    return known[cls]
+
+
+def _found(kind: idl.NamespacedType, where: str) -> Any:
+    package = kind.namespaces[0]
+    try:
+        return class_of(kind)
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != package:
+            raise
+        said = f"{where}: there is no package {package} here"
+        raise ModuleNotFoundError(said, name=package) from None
+    except AttributeError:
+        instead = "; in ROS 2 it is std_msgs/Header" if kind.name == "Header" else ""
+        raise ValueError(f"{where}: {package} has no message {kind.name}{instead}") from None
 
 
 def class_of(kind: Any) -> Any:
     """Return the class of a NamespacedType."""
     return getattr(importlib.import_module(".".join(kind.namespaces)), kind.name)
+
+
+def type_of(cls: Any) -> idl.NamespacedType:
+    """Return the type of a class that was made here."""
+    return idl.NamespacedType(cls.__module__.split("."), cls.__name__)
 
 
 def name_of(kind: Any) -> str:
@@ -145,6 +241,8 @@ def field_type(kind: Any) -> FieldType:
 
 def fields_of(cls: Any) -> Iterator[tuple[str, Any]]:
     """Yield the names and types of a class's fields, ours or a generated one's."""
+    if not cls.SLOT_TYPES:
+        return iter([FILLING])
     return zip(cls.get_fields_and_field_types(), cls.SLOT_TYPES, strict=True)
 
 

@@ -1,8 +1,8 @@
-"""The C structs with which rosidl tells rcl and Fast DDS about a message, for ctypes.
+"""The C structs with which rosidl tells rcl and Fast DDS about types, for ctypes.
 
-From the headers rosidl_runtime_c/message_type_support_struct.h, rosidl_runtime_c/type_description,
-rosidl_typesupport_fastrtps_cpp/message_type_support.h and rosidl_typesupport_introspection_c/
-message_introspection.h of ROS 2 Jazzy.
+From the headers of ROS 2 Jazzy: rosidl_runtime_c/{message,service,action}_type_support_struct.h and
+type_description, rosidl_typesupport_fastrtps_cpp/{message,service}_type_support.h and
+rosidl_typesupport_introspection_c/message_introspection.h.
 """
 
 from __future__ import annotations
@@ -103,3 +103,30 @@ class Members(Structure):
         ("namespace", c_char_p), ("name", c_char_p), ("count", c_uint32), ("size", c_size_t),
         ("has_any_key", c_bool), ("members", c_void_p), ("init", c_void_p), ("fini", c_void_p),
     ]  # fmt: skip
+
+
+class ServiceSupport(Structure):
+    """rosidl_service_type_support_t."""
+
+    _fields_ = [("identifier", c_char_p), *((name, c_void_p) for name in (
+        "data", "handle", "request", "response", "event", "create_event", "destroy_event",
+        "type_hash", "description", "sources",
+    ))]  # fmt: skip
+
+
+class ServiceCallbacks(Structure):
+    """service_type_support_callbacks_t of Fast DDS's type support."""
+
+    _fields_ = [("namespace", c_char_p), ("name", c_char_p), ("request", c_void_p),
+                ("response", c_void_p)]  # fmt: skip
+
+
+class ActionSupport(Structure):
+    """rosidl_action_type_support_t."""
+
+    _fields_ = [(name, c_void_p) for name in (
+        "goal", "result", "cancel", "feedback", "status", "type_hash", "description", "sources",
+    )]  # fmt: skip
+
+
+CreateEvent = CFUNCTYPE(c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)

@@ -2,17 +2,22 @@
 
 import copy
 import importlib
+import json
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import rosidl_generator_type_description as rosidl
+import std_srvs
 from geometry_msgs.msg import Point
 from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosidl_parser import definition as idl
 
-from rclpy_virtual_time.host import stand_ins
+from rclpy_virtual_time.host import packages, stand_ins
 from rclpy_virtual_time.host.interfaces import define, definitions
 
 INNER = "string<=5 short\nbool yes true\nbyte one\nint64 big -9"
@@ -22,7 +27,7 @@ string WORD="two words"
 Inner inner
 Inner[] many
 Inner[2] two
-Header header
+std_msgs/Header header
 geometry_msgs/Point[<=3] points
 float64[3] fixed
 float32[] free
@@ -85,9 +90,73 @@ def test_what_can_not_stand_in_a_field_is_refused(module: Any, field: str, value
         module.Outer().nothing = 1
 
 
-def test_a_line_that_is_no_field_is_refused() -> None:
-    with pytest.raises(ValueError, match="no field"):
-        define(PACKAGE, {"Bad": "float64"})
+@pytest.mark.parametrize(
+    ("kind", "text", "said"),
+    [
+        ("msg", "float64", "Bad.msg, line 1: 'float64': expected TYPE name"),
+        ("msg", "# a\nint8 a\nint8 a", "Bad.msg, line 3: .*there is a field a already"),
+        ("msg", "uint8 a 256", "Bad.msg, line 1: .*<= 255"),
+        ("msg", "int32[0] a", "Bad.msg, line 1"),
+        ("msg", "string<=3 a 'abcd'", "Bad.msg, line 1: .*maximum length of 3"),
+        ("msg", "time when", "in ROS 2 it is builtin_interfaces/Time"),
+        (
+            "msg",
+            "Header header",
+            "line 1: own has no message Header; in ROS 2 it is std_msgs/Header",
+        ),
+        ("msg", "std_msgs/Strnig a", "line 1: std_msgs has no message Strnig"),
+        ("msg", "Bad[] inner", "part of itself, .*: Bad in Bad"),
+        ("msg", "Deep a\nint8[99999999] b", "more than 10,000,000 values"),
+        ("msg", "float64[8000] a\nsensor_msgs/Imu[999999] b", "line 2: a message of more than"),
+        ("srv", "bool a", "Bad.srv: expected 1 line --- without spaces, found 0"),
+        ("action", "bool a\n---\n---\n---", "Bad.action: expected 2 lines ---"),
+        ("msg", "# " + 100_000 * "a", "Bad.msg: at most 100,000 bytes"),
+        ("msg", "no_such_msgs/Thing a", "line 1: there is no package no_such_msgs here"),
+    ],
+)
+def test_a_package_with_a_wrong_definition(
+    kind: str, text: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "own" / kind
+    folder.mkdir(parents=True)
+    (folder / f"Bad.{kind}").write_text(text)
+    if kind == "msg":
+        (folder / "Deep.msg").write_text("float64[100] a\nDeeper b")
+        (folder / "Deeper.msg").write_text("int8 a")
+    monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
+    packages.offer([tmp_path])
+    try:
+        with pytest.raises(ImportError, match=said):
+            getattr(importlib.import_module(f"own.{kind}"), "Bad")  # noqa: B009
+    finally:
+        for name in ("own", f"own.{kind}"):
+            sys.modules.pop(name, None)
+
+
+def test_a_service_has_the_hash_of_the_installed_one() -> None:
+    share = Path(std_srvs.__file__).parents[4] / "share"
+    for file in [share / "std_srvs" / "srv" / f"{name}.srv" for name in ("Empty", "SetBool")]:
+        cls = define("std_srvs", {file.stem: file.read_text()}, "srv")[file.stem]
+        there = json.loads(file.with_suffix(".json").read_text())["type_hashes"][0]["hash_string"]
+        assert f"RIHS01_{definitions.rihs01(f'std_srvs/srv/{file.stem}', cls).hex()}" == there
+
+
+def test_an_action_has_the_hash_of_rosidl(module: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    text, made = "int32 to\n---\nstring<=9[<=2] why\n---\nInner[2] last", type(sys)("action")
+    monkeypatch.setitem(sys.modules, f"{PACKAGE}.action", made)
+    vars(made).update(define(PACKAGE, {"Do": text}, "action"))
+    parts = [part.as_idl() for part in definitions.parse(PACKAGE, "action", "Do", text)]
+    described: dict[str, Any] = {}
+    rosidl.add_action(idl.Action(idl.NamespacedType([PACKAGE, "action"], "Do"), *parts), described)
+    for name, cls in definitions.referenced(made.Do).items():
+        fields = [idl.Member(kind, field) for field, kind in definitions.fields_of(cls)]
+        described.setdefault(name, rosidl.GenericInterface(definitions.type_of(cls), fields))
+    described = {n: rosidl.serialize_individual_type_description(
+        idl.NamespacedType(n.split("/")[:2], n.split("/")[2]), each.members,
+    ) for n, each in described.items()}  # fmt: skip
+    whole = rosidl.extract_full_type_description(f"{PACKAGE}/action/Do", described)
+    mine = definitions.rihs01(f"{PACKAGE}/action/Do", made.Do).hex()
+    assert f"RIHS01_{mine}" == rosidl.calculate_type_hash(whole)
 
 
 @pytest.fixture(params=["ackermann_msgs", "tf2_msgs", "vision_msgs"])

@@ -208,6 +208,7 @@ DAILY = """
 
     import rclpy
     from nodes import Ticker
+    from our_types.srv import Ask  # of text, in a folder beside the package's
     from rclpy.executors import MultiThreadedExecutor
     from std_msgs.msg import String
     from std_srvs.srv import Trigger
@@ -222,6 +223,14 @@ DAILY = """
             assert 53.0 <= world.now < 54.0
             with subprocess.Popen(["sleep", "0.2"]) as other:  # in real time
                 assert other.wait(timeout=300) == 0
+
+    def test_a_type_of_our_own(virtual_time):
+        with virtual_time() as world:
+            ticker = Ticker()
+            ticker.create_service(Ask, "/ask", lambda _, answer: Ask.Response(near=True))
+            asked = ticker.create_client(Ask, "/ask").call_async(Ask.Request())
+            world.run(ticker, until=1.0)
+            assert asked.result().near
 
     def test_timers_and_subscriptions(virtual_time):
         with virtual_time() as world:
@@ -329,7 +338,12 @@ def test_a_file_that_only_breaks_in_the_other_process(tmp_path: Path) -> None:
 
 def test_what_people_test_daily(tmp_path: Path) -> None:
     """The one of this page that `make test` runs besides."""
-    write(tmp_path, nodes=NODES, test_daily=DAILY)
-    session = pytest_in(tmp_path)
+    (tmp_path / "our_types" / "srv").mkdir(parents=True)
+    (tmp_path / "our_types" / "srv" / "Ask.srv").write_text("---\nbool near")
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "package.xml").touch()
+    (tmp_path / "mine" / "pytest.ini").touch()
+    write(tmp_path / "mine", nodes=NODES, test_daily=DAILY)
+    session = pytest_in(tmp_path / "mine")
     assert session.code == 0, session.output
     assert len(session.tests) == DAILY.count("def test_")
