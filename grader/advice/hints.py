@@ -42,6 +42,11 @@ OF_ROS_1 = {
     "dynamic_reconfigure": "parameters of the node: declare_parameter",
 }  # fmt: skip
 INTERFACES = re.compile(r"\w+_(msgs|srvs|interfaces|actions?)")
+SOURCES = {  # on GitHub, of those that courses use
+    "neato2_interfaces": "comprobo23/neato_packages", "vesc_msgs": "f1tenth/vesc/tree/ros2",
+    "nav2_msgs": "ros-navigation/navigation2",
+    "irobot_create_msgs": "iRobotEducation/irobot_create_msgs",
+}  # fmt: skip
 
 PROCESSES = "a node is one process here and may start no other: let a thread do it, or do without"
 NETWORK = "a node has no network here: what it needs has to lie in a file beside it"
@@ -165,18 +170,17 @@ def missing_package(name: str) -> str:
         return f"`{name}` belongs to ROS 1; in ROS 2 it is {OF_ROS_1[name]}"
     if name in INSTEAD:
         return ""  # it is said by `plain_words`
+    laid = INTERFACES.fullmatch(name) and name not in sys.modules
+    source = f" from github.com/{SOURCES[name]}" if name in SOURCES else ""
+    lay = f"lay the folder {name}{source}, with its msg/, srv/ or action/, beside the node"
     if name in ONLY_APT:
         return (
-            f"{name} is part of ROS 2, but pip has no package of it: do without it, or, where ROS "
-            f"2 is installed on Ubuntu, `sudo apt install ros-{DISTRO}-{ONLY_APT[name]}`, then "
-            f"`source /opt/ros/{DISTRO}/setup.bash` before `course`"
+            f"{name} is part of ROS 2, but pip has no package of it: "
+            f"{lay if laid else 'do without it'}, or, where ROS 2 is installed on Ubuntu, `sudo "
+            f"apt install ros-{DISTRO}-{ONLY_APT[name]}`, then `source "
+            f"/opt/ros/{DISTRO}/setup.bash` before `course`"
         )
-    if INTERFACES.fullmatch(name):
-        return (
-            f"{name} looks like a package of ROS interfaces: build it with colcon and source its "
-            "setup.bash before `course`"
-        )
-    return ""
+    return f"{lay}; where the node is a package, beside that" if laid else ""
 
 
 def no_package(said: str) -> str:

@@ -14,7 +14,8 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
-from grader.course.beside import MAX_BYTES, beside, listed
+from grader.course import interfaces
+from grader.course.beside import MAX_BYTES, MAX_FILES, beside, listed
 from grader.course.untouched import untouched
 from grader.errors import InputError
 from rclpy_virtual_time import fresh_folder, open_regular_file
@@ -137,8 +138,13 @@ class Submission:
     def account(self) -> list[str]:
         """Return sentences on the accompanying files, and on those left out."""
         own = [] if self.package else [path.name for path in (self.path, *self.others)]
-        more = set(self.files) - set(own)
-        came = sorted(n for n in more if not n.startswith(SHARE) and not NOT_SAID.search(n))
+        more = {name: file for name, file in self.files.items() if name not in own}
+        said_of = {file for name, file in more.items() if not name.startswith(SHARE)}
+        came = sorted(
+            name
+            for name, file in more.items()
+            if not NOT_SAID.search(name) and not (name.startswith(SHARE) and file in said_of)
+        )
         said = [skeleton] if (skeleton := self._untouched()) else []
         said += [f"With the node came {listed(came)}."] if came else []
         if pointers := [name for name in came if self._is_pointer(name)]:
@@ -182,11 +188,12 @@ def find_submission(
     problems = [_problem(file, launched=launched) for file in (path, *found)]
     problem = next(filter(None, problems), "")
     there = beside(path.parent)  # as Python has it, where a link leads
+    own = {} if expected else _interfaces_around(path)
     if launched:
-        every = {**there.files, **{file.name: file for file in (path, *found)}}
+        every = {**own, **there.files, **{file.name: file for file in (path, *found)}}
         return Submission(path, problem, found, every, there.left, Package(path.name, folders=()))
     mine = {path.name, *(file.name for file in found)}
-    more = {name: file for name, file in there.files.items() if name not in mine}
+    more = {n: file for n, file in {**own, **there.files}.items() if n not in mine}
     return Submission(path, problem, found, more, there.left)
 
 
@@ -270,6 +277,20 @@ def _packages_in(folder: Path) -> list[Path]:
     ]
 
 
+def _interfaces_around(path: Path) -> dict[str, Path]:
+    """Return the interfaces of the packages in the same `src` folder as a file or a package."""
+    near = [path, *path.parents[:MODULES]]
+    home = next((each for each in near if (each / MANIFEST).is_file()), None)
+    if home is None:
+        return {}
+    around = next((each for each in near if each.name == "src"), home.parent)
+    found: dict[str, Path] = {}
+    for each in _packages_in(around):
+        if any((each / kind).is_dir() for kind in interfaces.KINDS):
+            found |= interfaces.installed(beside(each).files)
+    return dict(itertools.islice(found.items(), MAX_FILES))
+
+
 def is_package(folder: Path, setups: Sequence[str] = SETUPS) -> bool:
     """Return whether a folder is a package that colcon builds, by default with setuptools."""
     there = [name for name in (MANIFEST, *setups) if (folder / name).is_file()]
@@ -294,6 +315,11 @@ def _in_packages(
         )
     tops = tuple(f"{place}/".removeprefix("/") for place in places)
     kept = {n: file for n, file in there.files.items() if n == start or n.startswith(tops)}
+    if expected is None:
+        kept = {**_interfaces_around(folders[0]), **kept}
+    for top in tops:
+        inside = {n.removeprefix(top): file for n, file in kept.items() if n.startswith(top)}
+        kept |= interfaces.installed(inside)
     wanted = (expected, *others) if expected else ()
     if (named := Path(start).name) in wanted:
         wanted = (named, *(name for name in wanted if name != named))

@@ -125,7 +125,7 @@ def test_a_package_of_ros_that_is_not_installed(run_node: RunNode) -> None:
     outcome = run_node("from no_such_robot_msgs.msg import State").outcome
 
     assert "No module named 'no_such_robot_msgs'" in outcome.text
-    assert "build it with colcon" in outcome.text
+    assert "lay the folder no_such_robot_msgs, with its msg/, srv/ or action/" in outcome.text
 
 
 @pytest.mark.parametrize(
@@ -135,7 +135,8 @@ def test_a_package_of_ros_that_is_not_installed(run_node: RunNode) -> None:
         ("tf2_msgs", "`sudo apt install ros-jazzy-tf2-msgs`"),
         ("tf", "in ROS 2 it is tf2_ros"),
         ("rospy", "in ROS 2 it is rclpy"),
-        ("pizza_interfaces", "build it with colcon"),
+        ("pizza_interfaces", "beside the node; where the node is a package, beside that"),
+        ("neato2_interfaces", "from github.com/comprobo23/neato_packages"),
     ],
 )
 def test_where_a_package_comes_from(name: str, advice: str) -> None:

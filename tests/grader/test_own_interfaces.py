@@ -1,0 +1,166 @@
+"""A package of interfaces beside the node's: its topics, services and actions are there."""
+
+import textwrap
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from command_line import ROOT, course
+
+from grader.course.submission import find_submission
+
+MANIFEST = "<package><name>{}</name></package>"
+INTERFACES = {
+    "our_types/package.xml": MANIFEST.format("our_types"),
+    "our_types/CMakeLists.txt": """
+        find_package(rosidl_default_generators REQUIRED)
+        set(files "msg/Seen.msg" "srv/Ask.srv")  # "msg/Unlisted.msg"
+        rosidl_generate_interfaces(${PROJECT_NAME} ${files} "action/Count.action"
+            DEPENDENCIES std_msgs geometry_msgs)
+        """,
+    "our_types/msg/Seen.msg": """
+        uint8 NEAR=1   # closer than a metre
+        std_msgs/Header header
+        geometry_msgs/Point32[<=4] points
+        float32[] distances
+        float64[2] limits [0.5, 1.5]
+        string<=8 word "none"
+        """,
+    "our_types/msg/Unlisted.msg": "bool a",
+    "our_types/srv/Ask.srv": "Seen seen\n---\nbool near\nstring why",
+    "our_types/action/Count.action": "int32 to\n---\nint32[] all\n---\nour_types/Seen last",
+}
+NODE = """
+    import rclpy
+    from our_types.action import Count
+    from our_types.msg import Seen
+    from our_types.srv import Ask
+    from rclpy.action import ActionClient, ActionServer
+    from rclpy.callback_groups import ReentrantCallbackGroup
+    from rclpy.node import Node
+    from sensor_msgs.msg import LaserScan
+
+    class Both(Node):
+        def __init__(self):
+            super().__init__("both")
+            self.seen = self.create_publisher(Seen, "seen", 10)
+            self.create_subscription(LaserScan, "/scan", self.hear, 10)
+            group = ReentrantCallbackGroup()
+            self.create_subscription(Seen, "seen", self.ask, 10, callback_group=group)
+            self.create_service(Ask, "ask", self.answer)
+            self.asked = self.create_client(Ask, "ask")
+            self.server = ActionServer(self, Count, "count", self.count)
+            self.counted = ActionClient(self, Count, "count")
+
+        def hear(self, scan):
+            self.seen.publish(Seen(header=scan.header, distances=scan.ranges[:3], word="lidar"))
+
+        async def ask(self, seen):
+            answer = await self.asked.call_async(Ask.Request(seen=seen))
+            goal = await self.counted.send_goal_async(
+                Count.Goal(to=3), lambda told: print("at", told.feedback.last.distances[0]))
+            last = await goal.get_result_async()
+            print("counted", answer.why, answer.near, *last.result.all)
+
+        def answer(self, request, response):
+            response.near = request.seen.distances[0] < request.seen.limits[1]
+            response.why = request.seen.word
+            return response
+
+        def count(self, goal):
+            for i in range(goal.request.to):
+                goal.publish_feedback(Count.Feedback(last=Seen(distances=[float(i)])))
+            goal.succeed()
+            return Count.Result(all=list(range(goal.request.to)))
+
+    def main():
+        rclpy.init()
+        rclpy.spin(Both())
+    """
+ROBOT = {
+    "robot/package.xml": MANIFEST.format("robot"),
+    "robot/setup.py": """
+        from setuptools import setup
+        setup(name="robot", packages=["robot"],
+              entry_points={"console_scripts": ["both = robot.both:main"]})
+        """,
+    "robot/robot/__init__.py": "",
+    "robot/robot/both.py": NODE,
+}
+
+
+def lay(folder: Path, files: Mapping[str, str]) -> Path:
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(textwrap.dedent(text).lstrip("\n"), "utf-8")
+    return folder
+
+
+def drive(path: Path, *more: str) -> str:
+    done = course("drive", path, "--scenario", "demo_wall", "--duration", "1", *more)
+    assert (done.code in (0, 1), done.err) == (True, "")
+    return " ".join(done.out.split())
+
+
+@pytest.mark.parametrize("runtime", [(), ("--portable",)])
+def test_topic_service_and_action_of_an_own_package(
+    runtime: tuple[str, ...], tmp_path: Path
+) -> None:
+    said = drive(lay(tmp_path / "src", INTERFACES | ROBOT) / "robot", *runtime)
+    assert "-> /seen our_types/msg/Seen reliable 10 messages" in said
+    assert "<- /seen our_types/msg/Seen reliable up to 10 messages" in said
+    assert "at 2.0" in said and "counted lidar False 0 1 2" in said
+    assert "share/our_types/msg/Seen.msg" in said  # came along
+
+
+def test_a_workspace_that_is_handed_in_brings_them(tmp_path: Path) -> None:
+    name, line = (
+        "obstacle_avoidance_agent",
+        "from our_types.msg import Seen\nassert Seen.NEAR == 1\n",
+    )
+    agent = (ROOT / "solutions" / "obstacle_avoidance" / f"{name}.py").read_text("utf-8")
+    graded = ROBOT | {
+        f"robot/robot/{name}.py": agent.replace("import rclpy\n", f"{line}import rclpy\n")
+    }
+    graded["robot/setup.py"] = ROBOT["robot/setup.py"].replace("both", name)
+    done = course(
+        "grade", "1", lay(tmp_path, INTERFACES | graded), "--only", "wiring", "--json", "-"
+    )
+    assert (done.json["score"], done.err) == (done.json["max_score"], "")
+    alone = find_submission(tmp_path / "robot", f"{name}.py")  # what lies around may be another's
+    assert not any("our_types" in file for file in alone.files)
+
+
+def test_a_file_takes_a_folder_beside_it(tmp_path: Path) -> None:
+    line = "from our_types.msg import Seen\nprint(Seen().limits, Seen.NEAR)\n"
+    assert "[0.5 1.5] 1" in drive(lay(tmp_path, {**INTERFACES, "node.py": line}) / "node.py")
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "line", "expected"),
+    [
+        (
+            "msg/Seen.msg",
+            "bool a\nflot b",
+            "msg import Seen",
+            "Seen.msg, line 2: 'flot b': expected",
+        ),
+        ("srv/Ask.srv", "bool a", "srv import Ask", "our_types/srv/Ask.srv: expected 1 line ---"),
+        ("msg/Seen.msg", "nav2_msgs/Costmap a", "msg import Seen", "lay the folder nav2_msgs from"),
+        (
+            "msg/Seen.msg",
+            "bool a",
+            "msg import Unlisted",
+            "has no Unlisted: its folder doesn't, or",
+        ),
+        ("msg/Seen.msg", "bool a", "other import Seen", "No module named 'our_types.other'"),
+    ],
+)
+def test_what_is_wrong_is_said_with_file_and_line(
+    file: str, text: str, line: str, expected: str, tmp_path: Path
+) -> None:
+    wrong = INTERFACES | ROBOT | {f"our_types/{file}": text}
+    wrong |= {"robot/robot/both.py": f"from our_types.{line}\ndef main(): ..."}
+    said = drive(lay(tmp_path, wrong) / "robot")
+    assert expected in said
+    assert "colcon" not in said and "lay the folder our_types" not in said
