@@ -133,7 +133,7 @@ def account_of_syntax(error: SyntaxError) -> str:
         lines.append(f"{Path(error.filename).name}, line {error.lineno}, in <module>")
         if source := (error.text or "").strip()[:MAX_SOURCE]:
             lines.append(f"    {source}")
-    lines.append(f"{type(error).__name__}: {error.msg}"[:MAX_SAID])
+    lines.append(traceback.format_exception_only(error)[-1].strip()[:MAX_SAID])  # "did you mean"
     if words := plain_words(error):
         lines.append(f"try: {words}")
     return "\n".join(lines)

@@ -239,6 +239,9 @@ RULES = (
          "given to future.add_done_callback(…), then answer.\\1", DEADLOCKS),
     Rule("TypeError", r"'Future'", "", "this is a future, not yet the answer: future.result() is, "
          "in a function given to future.add_done_callback(…)", DEADLOCKS),
+    Rule("RuntimeError", r"no current event loop in thread 'MainThread'", "",
+         "from Python 3.14 on get_event_loop makes none: asyncio.run(main()), or loop = "
+         "asyncio.new_event_loop(). Callbacks of rclpy run without one", ASYNC),
     Rule("RuntimeError", r"no (running|current) event loop", "",
          "callbacks of rclpy run without a loop of asyncio, so nothing of asyncio works in them: "
          "let a thread do the slow work, such as ThreadPoolExecutor(1).submit(…), or a timer",

@@ -34,10 +34,10 @@ export DEBIAN_FRONTEND=noninteractive
 source="${AUTOGRADER_ROOT:-/autograder}/source"
 course="${COURSE_HOME:-/opt/course}"  # students' nodes read it, so it lies outside of source
 
-fits='import sys, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 14))'
+fits='import sys, ensurepip; sys.exit(not (3, 11) <= sys.version_info < (3, 15))'
 suitable() {  # the first Python that fits, with venv
     local each
-    for each in python3.12 python3.13 python3.11 python3; do
+    for each in python3.12 python3.13 python3.14 python3.11 python3; do
         if "$each" -c "$fits" 2>/dev/null; then
             command -v "$each"
             return
@@ -48,7 +48,7 @@ suitable() {  # the first Python that fits, with venv
 
 add() {  # a Python of the distribution's own packages
     local version
-    for version in 3.12 3.13 3.11; do
+    for version in 3.12 3.13 3.14 3.11; do
         if apt-get install -y --no-install-recommends "python$version" "python$version-venv"; then
             return
         fi
@@ -65,7 +65,7 @@ if ! suitable >/dev/null; then
         add
     fi
 fi
-python="$(suitable)" || { echo "expected a Python from 3.11 to 3.13, found none" >&2; exit 1; }
+python="$(suitable)" || { echo "expected a Python from 3.11 to 3.14, found none" >&2; exit 1; }
 
 rm -rf "$course/source" "$course/venv"
 mkdir -p "$course"

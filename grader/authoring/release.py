@@ -110,7 +110,7 @@ a few minutes; the second a folder for you; the third grades it.
     .venv\\Scripts\\course start {number}
     .venv\\Scripts\\course grade {number} {slug}
 
-**Linux** on x86_64, with Python up to 3.13, gets the real rclpy of ROS 2. If `venv` is missing:
+**Linux** on x86_64, with Python up to 3.14, gets the real rclpy of ROS 2. If `venv` is missing:
 `sudo apt install python3-venv`. macOS, Windows and ARM get [a portable one](docs/portable.md), for
 practice. It has never been tried there yet: please tell your instructor what you see.
 

@@ -29,7 +29,7 @@ HOW_TO_INSTALL = (
 )
 # two ROSes' wheels have the same names, and one would take the other's place
 BESIDE = "`pip install '.[ros]'` in a fresh virtual environment brings Jazzy's beside it"
-NO_WHEELS = "there are no wheels of it for"
+NO_WHEELS = "there are no wheels of it for Python"
 # its stamps are those of the machine, as the stamps of DDS are
 PORTABLE_PRELUDE = (
     "import _time_machine, rclpy_portable.native.machine as machine;"

@@ -83,6 +83,7 @@ MEANT = {
     "self.create_client(Trigger, '/d').call_async(Trigger.Request()).success": "answer.success",
     "self.create_client(Trigger, '/d').call_async(Trigger.Request())['a']": "future.result() is",
     "import asyncio; asyncio.get_running_loop()": "without a loop of asyncio",
+    "raise RuntimeError(\"There is no current event loop in thread 'MainThread'.\")": "run(main())",
     "self.coroutine() + 1": "await it",
     "self.get_clock().now().to_sec()": ".nanoseconds / 1e9 are its seconds (a stamp",
     "(self.get_clock().now() - self.get_clock().now()).to_sec()": "A Duration of rclpy counts",
@@ -204,7 +205,9 @@ SYNTAX = {
     "function f() {}": "begins with `def`",
     'f"{1 of {2}"': "is closed by no }",
 }  # fmt: skip
-if sys.version_info >= (3, 14):  # PEP 758
+if sys.version_info >= (3, 14):
+    SYNTAX["whlie True:\n    pass"] = "Did you mean 'while'?"
+    # PEP 758
     del SYNTAX["try:\n    pass\nexcept TypeError, ValueError:\n    pass"]
 
 
