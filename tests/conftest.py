@@ -65,7 +65,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Leave whole folders to `make test-long`."""
     here = Path(__file__).parent
     for item in items:
-        if item.path.is_relative_to(here) and item.path.relative_to(here).parts[0] in LONG:
+        inside = item.path.is_relative_to(here) and item.path.relative_to(here).parts[0] in LONG
+        if inside and not item.get_closest_marker("quick"):
             item.add_marker(pytest.mark.long)
 
 

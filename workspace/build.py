@@ -43,8 +43,8 @@ INFLATED = ("pyodide.asm.js", "pyodide.asm.wasm")  # by the worker: plain server
 LIBRARY = "python_stdlib.zip"  # as well: its files are small, and make a smaller archive together
 MOST = 12_000_000  # [bytes] of a first visit
 WEB = (
-    "element.js", "exercise.js", "keep.js", "links.js", "machine.js", "offline.js", "page.js",
-    "program.js", "shelf.js", "start.js", "worker.js", "workspace.js", "workspace.css",
+    "able.js", "element.js", "exercise.js", "keep.js", "links.js", "machine.js", "offline.js",
+    "page.js", "program.js", "shelf.js", "start.js", "worker.js", "workspace.js", "workspace.css",
 )  # fmt: skip
 # The rooms of the course that a page needs
 COURSE = re.compile(

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from grader.course.exercises import Exercise
+from grader.course.submission import LAUNCH
 from grader.errors import GraderError
 from grader.grading.grading import UNUSED_PLUGINS, grade
 from grader.grading.plugin import UNAVAILABLE
@@ -82,6 +83,9 @@ def plan(exercise: Exercise) -> dict[str, Any]:
         for check in grade(exercise, trials, file=file).checks
     ]
     scenarios = [load_scenario(name) for name in trials.scenarios]
+    threaded = {each.name for each in scenarios if each.program or _is_threaded(exercise)}
+    for check in checks:  # whether it is judged also where a page has no threads
+        check["alone"] = check["scenarios"] != [] and threaded.isdisjoint(check["scenarios"])
     return {
         "number": exercise.number,
         "slug": exercise.slug,
@@ -90,8 +94,15 @@ def plan(exercise: Exercise) -> dict[str, Any]:
         "points": exercise.max_points,
         "checks": checks,
         "scenarios": {each.name: each.title for each in scenarios},
-        "threads": any(each.program for each in scenarios),  # several programs: a stack for each
+        "here": sum(check["points"] for check in checks if check["scenarios"]),  # points in a page
+        "alone": sum(check["points"] for check in checks if check["alone"]),  # without threads
     }
+
+
+def _is_threaded(exercise: Exercise) -> bool:
+    """Return whether the skeleton starts threads or several programs, whatever the scenario."""
+    texts = [(exercise.folder / name).read_text("utf-8") for name in exercise.files]
+    return exercise.files[0].endswith(LAUNCH) or "MultiThreadedExecutor" in "".join(texts)
 
 
 def methods(node: str) -> dict[str, str]:

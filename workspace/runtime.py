@@ -8,6 +8,7 @@ copy. The recordings are pickled: they are the reader's own, in the reader's own
 
 from __future__ import annotations
 
+import _thread
 import contextlib
 import io
 import json
@@ -16,12 +17,13 @@ import os
 import pickle
 import shlex
 import sys
+import threading
 import time
 from collections.abc import Callable, Collection, Iterator
 from functools import partial
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 
 from workspace.stacks import Browser, Gate, Stacks
 
@@ -78,6 +80,8 @@ class Runtime:
             from rclpy_virtual_time.host.virtual import kernel
 
             kernel.real_allocate_lock = partial(Gate, self._stacks)  # type: ignore[assignment]
+        else:
+            _thread.start_new_thread = threading._start_new_thread = _no_thread  # type: ignore[attr-defined]
         import _time_machine
 
         import rclpy_portable
@@ -244,7 +248,7 @@ class Runtime:
 
         return grade(
             find_exercise(wanted["exercise"]),
-            PageTrials([self._load(name)[0] for name in wanted["scenarios"]]),
+            PageTrials([self._load(name)[0] for name in wanted["scenarios"]], bool(self._stacks)),
             file=wanted["file"],
             only=wanted.get("only", ()),
             isolation=self._launcher.isolation,
@@ -270,6 +274,10 @@ class Runtime:
 
     def _place(self, scenario: str) -> Path:
         return self._recordings / f"{scenario}.pickle"
+
+
+def _no_thread(*_: object) -> NoReturn:
+    raise RuntimeError("a thread needs JSPI (WebAssembly.Suspending), which this browser has not")
 
 
 def _unmeasured(recording: Recording) -> Recording:

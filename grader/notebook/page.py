@@ -34,8 +34,8 @@ READY = (
     "again."
 )
 NO_WAITING = (
-    "nodes can't run in this browser: a cell has to wait for them, which takes Chrome or Edge 137, "
-    "or later; or install the course"
+    "nodes can't run in this browser's notebooks: a cell has to wait for them, which takes JSPI "
+    f"(WebAssembly.Suspending). The exercises' own pages say what runs without it; or {INSTALLED}"
 )
 SEARCH = f"a search can't be had in the browser; {INSTALLED}"
 FIELD = f"Without the field checks, which can't be had in the browser; {INSTALLED}."

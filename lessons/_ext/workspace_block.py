@@ -1,12 +1,14 @@
-"""A block on some exercises' pages that opens their workspace, if the site is built with it.
+"""A block on exercises' pages that opens their workspace, if the site is built with it.
 
-`make workspace` makes its files (workspace/build.py); without them there is no block.
+`make workspace` makes its files (workspace/build.py); without them there is no block. The list of
+exercises says what of each runs in the reader's browser.
 """
 
 from __future__ import annotations
 
 import html
 import json
+import re
 import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,11 +20,11 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parents[2]
 MADE = ROOT / "build" / "workspace"
 STATIC = "_static/workspace"
-OFF = (
-    "The workspace is not running. It needs a browser with JavaScript, and the site has to come "
-    "from a web server: opened as a file it can't start. <code>python3 -m http.server</code> in "
-    "the site's folder is one."
+WORDS = (
+    '<p class="workspace-words">The workspace is loading …</p>'
+    "<noscript><p>The workspace is not running: it needs JavaScript.</p></noscript>"
 )
+LISTED = re.compile(r'<a class="reference internal" href="(\w+)/README.html">.*?</a>')
 
 
 def add_block(app: Sphinx, name: str, _template: str, page: dict[str, Any], _tree: object) -> None:
@@ -33,14 +35,31 @@ def add_block(app: Sphinx, name: str, _template: str, page: dict[str, Any], _tre
         start = 'href="exercises/obstacle_avoidance/README.html"'
         page["body"] = page["body"].replace(start, f'{start[:-1]}#workspace"', 1)
         return
+    if name == "exercises/index":
+        plan = json.loads(Path(app.config.course_workspace, "plan.json").read_text("utf-8"))
+        page["body"] = LISTED.sub(lambda row: row[0] + _here(plan, row[1]), page["body"])
+        _add_script(app)
+        return
     parts = name.split("/")
     if parts[0] != "exercises" or parts[-1] != "README" or parts[1] in _left_out(app):
         return
     block = (
         f'<div class="workspace-block" id="workspace" data-exercise="{html.escape(parts[1])}">'
-        f'<p class="workspace-words">{OFF}</p><p class="workspace-open"></p></div>'
+        f'{WORDS}<p class="workspace-open"></p></div>'
     )
     page["body"] = page["body"].replace("</h1>", f"</h1>{block}", 1)
+    _add_script(app)
+
+
+def _here(plan: dict[str, Any], slug: str) -> str:
+    """Return the place below an exercise's link; the browser fills it (workspace/web/able.js)."""
+    numbers = " ".join(
+        f'data-{key}="{plan["exercises"][slug][key]}"' for key in ("points", "here", "alone")
+    )
+    return f'<small class="runs-here" {numbers}></small>'
+
+
+def _add_script(app: Sphinx) -> None:
     app.add_css_file("workspace/workspace.css")
     app.add_js_file("workspace/start.js", loading_method="defer")
 

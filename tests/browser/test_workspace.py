@@ -304,10 +304,16 @@ def test_what_is_missing_is_said_in_a_sentence_and_one_can_type(
     assert typed(page).strip() == "# mine"
 
 
+def test_without_javascript_the_page_says_so(open_served: Any) -> None:
+    page = open_served(f"exercises/{SLUG}/README.html", java_script_enabled=False)
+    said = page.locator(".workspace-block").inner_text()
+    assert said == "The workspace is not running: it needs JavaScript."
+
+
 def test_an_old_browser_has_a_plain_field_that_keeps_what_is_typed(open_served: Any) -> None:
     old = "delete globalThis.DecompressionStream"
     page = open_served(f"exercises/{SLUG}/README.html#workspace", old)
-    page.locator(".ws-status", has_text="needs a newer browser").wait_for(timeout=SLOW)
+    page.locator(".ws-status", has_text="needs DecompressionStream").wait_for(timeout=SLOW)
     field = page.locator(".ws-code textarea")
     field.fill("# mine")
     page.reload()

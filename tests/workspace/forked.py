@@ -1,9 +1,9 @@
 """The page's Python in CPython: forks stand for its copies of memory.
 
-`forked.py FOLDER` has the page's files from FOLDER, and no others of the course. It reads orders
-from stdin, a JSON object each, and prints what came of it: of one with `exercise`, `file`, `others`
-and `scenarios` the grading, of one with `file` and `arguments` what the page says of the drive. The
-recordings stay in FOLDER.
+`forked.py FOLDER` has the page's files from FOLDER, and no others of the course; with `alone` after
+it no threads, as in a browser without JSPI. It reads orders from stdin, a JSON object each, and
+prints what came of it: of one with `exercise`, `file`, `others` and `scenarios` the grading, of one
+with `file` and `arguments` what the page says of the drive. The recordings stay in FOLDER.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def driven(page: runtime.Runtime, order: dict[str, object]) -> str:
 
 
 if __name__ == "__main__":
-    warm = runtime.warm(sys.argv[1], browser=Greenlets())
+    warm = runtime.warm(sys.argv[1], browser=None if sys.argv[2:] else Greenlets())
     for line in sys.stdin:
         each = json.loads(line)
         print(driven(warm, each) if "arguments" in each else graded(warm, each, each["scenarios"]),

@@ -1,5 +1,6 @@
 // The workspace of an exercise's page: its scenarios, and the grader's checks.
 
+import { isJudged, runsHere } from './able.js';
 import { el } from './element.js';
 import { showChanges, split } from './shelf.js';
 import { Workspace, button } from './workspace.js';
@@ -27,17 +28,18 @@ function options(titles) {
   return Object.entries(titles).map(([name, title]) => el('option', { value: name }, `${name}: ${title}`));
 }
 
-/** Say which points can be won here: a check without scenarios needs a library that no page has. */
-export function pointsHere({ checks, points }) {
-  const here = checks.reduce((sum, check) => sum + (check.scenarios.length ? check.points : 0), 0);
-  if (here === points) return `${points} points can be won here.`;
-  return `${here} of the ${points} points can be won here; the others need libraries such as scikit-learn, and the installed course.`;
+/** Return a plan without what this browser doesn't judge. */
+function judgedHere(plan) {
+  const checks = plan.checks.map((check) => (isJudged(check) ? check : { ...check, scenarios: [] }));
+  const driven = Object.entries(plan.scenarios).filter(([name]) => checks.some(({ scenarios }) => scenarios.includes(name)));
+  return { ...plan, checks, scenarios: Object.fromEntries(driven) };
 }
 
 export class Exercise extends Workspace {
-  constructor(plan, words, demos, machine) {
+  constructor(whole, words, demos, machine) {
+    const plan = judgedHere(whole);
     super({
-      what: 'exercise', skeletons: plan.skeleton, origin: 'the skeleton', shelf: plan.slug, words, threads: plan.threads,
+      what: 'exercise', skeletons: plan.skeleton, origin: 'the skeleton', shelf: plan.slug, words, threads: !whole.alone,
     }, machine);
     this.plan = plan;
     this.recordings = {}; // of the last check, by their files
@@ -46,7 +48,7 @@ export class Exercise extends Workspace {
       el('optgroup', { label: 'Scenarios of the checks' }, options(plan.scenarios)),
       el('optgroup', { label: 'To try things' }, options(demos)));
     this.seed = el('input', { id: 'ws-seed', type: 'number', min: 0, max: 1000000, placeholder: 'its own' });
-    this.score = el('div', { class: 'ws-score' }, `Practice: ${pointsHere(plan)} `
+    this.score = el('div', { class: 'ws-score' }, `Practice. ${runsHere(plan)} `
       + 'Your instructor’s grade comes from the real rclpy on Linux.');
     this.changesButton = button('Changes', () => this.changes(), { title: 'Since the last version that passed all checks' });
     this.build({

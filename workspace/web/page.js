@@ -1,5 +1,6 @@
 // What a page has of the workspace: an exercise's block, and a button below each `course drive`. Both open a dialog.
 
+import { hasStacks, runsHere } from './able.js';
 import { el } from './element.js';
 
 const HERE = new URL('.', import.meta.url);
@@ -31,14 +32,15 @@ async function beExercise(block) {
   try {
     all = await Promise.all([load(), import(new URL('exercise.js', HERE))]);
   } catch {
-    words.textContent = 'The workspace is not running: the server did not send all of it. Reload the page.';
+    words.textContent = 'The server did not send all of the workspace. Reload the page.';
     return;
   }
-  const [{ plan, machine }, { Exercise, pointsHere }] = all;
+  const [{ plan, machine }, { Exercise }] = all;
   const exercise = plan.exercises[block.dataset.exercise];
-  const workspace = new Exercise(exercise, { ...exercise.words, ...plan.methods }, plan.demos, machine);
+  const demos = Object.entries(plan.demos).filter(([name]) => hasStacks || !plan.drives.several.includes(name));
+  const workspace = new Exercise(exercise, { ...exercise.words, ...plan.methods }, Object.fromEntries(demos), machine);
   words.textContent = 'Write the node here, drive it and have it checked, in this browser: nothing is installed, and '
-    + `nothing leaves this machine. The first visit fetches 12 MB. ${pointsHere(exercise)}`;
+    + `nothing leaves this machine. The first visit fetches 12 MB. ${runsHere(exercise)}`;
   block.querySelector('.workspace-open').replaceChildren(
     el('button', { type: 'button', class: 'ws-main', onclick: () => workspace.open() }, 'Open the workspace'));
   follow((hash) => {
@@ -76,10 +78,10 @@ async function open(place, { words = place.dataset.arguments, code = null, drive
 
 function addButtons(places) {
   for (const place of places) {
-    const { act, file, arguments: words } = place.dataset;
+    const { act, file, arguments: words, threads } = place.dataset;
     place.append(
       el('button', { type: 'button', 'aria-label': `${act}: ${file} ${words}`, onclick: () => open(place, { drives: true }) }, act),
-      el('span', { role: 'status' }));
+      el('span', { role: 'status' }, threads === undefined || hasStacks ? '' : ' It needs JSPI, which this browser hasn’t.'));
   }
   for (const link of document.querySelectorAll('a.drives')) {
     link.addEventListener('click', (event) => {
@@ -93,6 +95,13 @@ function addButtons(places) {
     const place = here.find(({ dataset }) => dataset.arguments === words) || here[0];
     if (place) open(place, { words, code: hash.get('code') });
   });
+}
+
+// --- what runs here, said before anything is opened ---------------------------------------------------
+
+for (const place of document.querySelectorAll('.runs-here')) {
+  const { points, here, alone } = place.dataset;
+  place.textContent = runsHere({ points: Number(points), here: Number(here), alone: Number(alone) });
 }
 
 const block = document.querySelector('.workspace-block');

@@ -1,6 +1,7 @@
 // A workspace: an editor, the robot and its replay, all of them in this browser. What a check or a drive says
 // stands in a third pane: exercise.js and program.js have it. Python runs in worker.js; no file here waits for it.
 
+import { hasStacks, missing } from './able.js';
 import { el } from './element.js';
 import { keepForLater } from './keep.js';
 import { packed, stand, unpacked } from './links.js';
@@ -29,12 +30,10 @@ function tell(frame, play = false) { frame.contentWindow?.postMessage({ theme: d
 
 /** Say in a sentence why this page can't run a node; '' if it can. */
 function whyNot(what, threads) {
-  if (!globalThis.WebAssembly) return 'The workspace needs WebAssembly, which is switched off in this browser.';
-  if (!globalThis.Worker || !globalThis.DecompressionStream) {
-    return 'The workspace needs a newer browser: Chrome or Edge 80, Firefox 113, Safari 16.4, or later.';
-  }
-  if (threads && !('Suspending' in WebAssembly)) {
-    return `This ${what} needs threads, which only some browsers have in a page: take Chrome or Edge 137 or later, or install the course.`;
+  if (missing.length) return `The workspace needs ${missing.join(' and ')}, which this browser hasn’t, or has switched off.`;
+  if (threads && !hasStacks) {
+    return `This ${what} needs threads, for which a page wants JSPI (WebAssembly.Suspending): this browser has none. `
+      + 'What needs no threads runs here; the installed course runs all.';
   }
   return '';
 }
