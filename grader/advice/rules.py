@@ -272,6 +272,8 @@ RULES = (
          "https://docs.ros.org/en/jazzy/p/sensor_msgs/msg/LaserScan.html"),
     Rule("TypeError", r"RcutilsLogger\.\w+\(\) takes 2 positional arguments|rclpy_logging_rcutils",
          "", "a logger takes one text: info(f'speed {speed:.2f}')", NODES),
+    Rule("ValueError", r"^Logger severity cannot be changed", "", "a line of code logs at one "
+         "level only: write if and else, and each call of the logger on a line of its own", NODES),
     Rule("TypeError", r"Publisher\.publish\(\) takes 2 positional", "",
          "publish() takes one message: make it, fill its fields, publish it", NODES),
     Rule("AttributeError", r"has no attribute 'get_num_connections'", "",

@@ -89,6 +89,8 @@ def _with_programs(
     others = [] if launch else [name for name in there if OTHER_LAUNCH.search(name)]
     unread = [f"{name}: {ONLY_PYTHON}" for name in others]
     problem = answer.unstarted
+    if problem and known and not package.main:
+        problem += f"; its programs start alone as PACKAGE_FOLDER/NAME ({listed(list(known))})"
     if (
         package.main.endswith(LAUNCH)
         and package.folders

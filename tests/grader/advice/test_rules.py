@@ -67,6 +67,7 @@ MEANT = {
     "raise RuntimeError('mat1 and mat2 must have the same dtype, but got Double and Float')":
         "astype(np.float32)",
     "self.create_publisher(Twist, '/c', 10).get_num_connections()": "get_subscription_count()",
+    "for n in 'info', 'warn': getattr(self.get_logger(), n)('a')": "logs at one level only",
     "rclpy.spin(Agent)": "node = MyNode()",
     "rclpy.spin()": "no global node",
     "rclpy.init()": "once in main()",

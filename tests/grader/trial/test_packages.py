@@ -350,7 +350,7 @@ BROKEN = {
     "no default": ({"a.launch.py": INNER}, "'word' needs a default"),
     "other package": (
         {"a.launch.py": LAUNCH.replace('directory("mine")', 'directory("nav2_bringup")')},
-        "there is no package nav2_bringup here",
+        "with its package.xml; its programs start alone as PACKAGE_FOLDER/NAME (one, two)",
     ),
     "no program": (
         {"a.launch.py": INNER.replace('"two"', '"three"').replace(
