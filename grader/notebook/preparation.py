@@ -87,7 +87,7 @@ def required(extra: str = "") -> list[str]:
         parts = [line.partition(";") for line in metadata.requires(COURSE) or ()]
     except metadata.PackageNotFoundError:
         return []  # a checkout on the path: whoever put it there knows what it needs
-    wanted = rf"extra == .{extra}." if extra else "^(?!.*extra)"
+    wanted = rf"extra == .{extra}['\"]" if extra else "^(?!.*extra)"
     return [name.strip() for name, _, marker in parts if re.search(wanted, marker)]
 
 

@@ -14,6 +14,7 @@ import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 from kernels import Kernel
@@ -21,7 +22,7 @@ from kernels import Kernel
 from grader.errors import InputError
 from grader.notebook import preparation
 from grader.notebook.bootstrap import BOOTSTRAP, with_address
-from rclpy_virtual_time.link.ros_environment import RosEnvironment
+from rclpy_virtual_time import NoRos, RosEnvironment
 
 ROOT = Path(preparation.__file__).resolve().parents[2]
 WHEEL = "rclpy_agents_course"  # the one package of the wheel
@@ -197,6 +198,18 @@ def test_only_what_lacks_is_installed_and_a_pip_that_fails_is_explained(
         assert "Ready:" not in out
     else:
         assert out == "Installed no-such-thing>=1.\nReady: installed no-such-thing>=1.\n"
+
+
+def test_nothing_is_installed_over_another_ros(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(RosEnvironment, "find", Mock(side_effect=NoRos("no", "ROS 2 Lyrical")))
+    monkeypatch.setattr(preparation, "adopt", lambda ros: None)
+
+    assert preparation.missing() == []
+    preparation.prepare_kernel()
+
+    assert "\nROS 2 Lyrical is here; this is Jazzy's portable copy" in capsys.readouterr().out
 
 
 def test_ros_is_found_by_what_the_kernel_starts(
