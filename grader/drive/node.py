@@ -26,6 +26,7 @@ from sim.scenario import Scenario, ScriptEvent, Transforms
 from sim.scenario_files import load_scenario
 
 FIRST_GOAL = 0.5  # [s]
+NEITHER = ", and not in real time either"
 PATIENCE = Limits(start=10.0, step=2.0, total=20.0)  # a node that hangs does so again and again ...
 SECOND_LOOK = Limits(total=60.0)  # ... and one that a busy machine kept waiting does not
 PARAMETER = re.compile(r"[A-Za-z_][\w.]*:=.+")
@@ -244,10 +245,8 @@ def drive_node(
         stamped=stamped, lenient=True,
     )  # fmt: skip
     if hung and (real.outcome.kind == "hung" or not real.delivered):
-        text = f"{recording.outcome.text}, and not in real time either"
-        outcome = replace(recording.outcome, text=text)
-        ends = recording.endpoints or real.endpoints
-        return replace(recording, outcome=outcome, endpoints=ends)
+        outcome = replace(recording.outcome, text=f"{recording.outcome.text}{NEITHER}")
+        return replace(recording, outcome=outcome, endpoints=recording.endpoints or real.endpoints)
     return real
 
 

@@ -149,9 +149,7 @@ class _LiveTrial:
     def run(self, reason: str) -> Recording:
         """Run the trial to its end."""
         stall = ""
-        if reason.startswith(
-            BUSY_WAIT
-        ):  # it hung before: a scenario may be shorter than HUNG_AFTER
+        if reason.startswith(BUSY_WAIT):  # a scenario may be shorter than HUNG_AFTER
             self._hung_after = min(HUNG_AFTER, self._simulation.scenario.duration / 2)
         with self.hosts as hosts:
             try:
@@ -164,7 +162,7 @@ class _LiveTrial:
                 outcome = self._end_outcome()
             except LiveHosts.NotReady as error:
                 kind, text = str(error), HUNG_AT_START if str(error) == "hung" else NEVER_SPUN
-                waits = next(p for p in hosts.programs if not p.pulse.spinning)
+                waits = next(p for p in hosts.programs if not p.pulse.spinning and not p.over)
                 outcome = self._outcome(kind, text, waits.link.stacks())
             except (HostForged, Flood, Excess, TooManyQuestions) as error:
                 outcome = self._outcome(*misbehaviour(error))

@@ -280,15 +280,11 @@ class LiveHosts:
     def meet(self) -> None:
         """Wait until the programs spin and all ends have found each other; time begins then."""
         limit = real_clock.monotonic() + self._start_limit
-        while not all(
-            program.ready(real_clock.monotonic()) or self._speaks_on(program)
-            for program in self.programs
-        ):
+        while not all(map(self._ready, self.programs)):
             self.listen(self.TURN)
             if real_clock.monotonic() > limit:
                 raise self.NotReady("hung")
-        # some just do a job
-        if not any(p.pulse.spinning or self._speaks_on(p) for p in self.programs):
+        if not self._first and not any(p.pulse.spinning for p in self.programs):  # just a job
             raise self.NotReady("never_spun")
         limit = real_clock.monotonic() + MEETING_LIMIT
         while not self._all_met():
@@ -430,17 +426,13 @@ class LiveHosts:
             program.left = self.now()
         return program.left is not None
 
-    def _speaks_on(self, program: Program) -> bool:
-        first = min(
-            (self._first.get(topic, math.inf) for topic in program.topics), default=math.inf
-        )
-        return real_clock.monotonic() - first > SPEAKS_ON
+    def _ready(self, program: Program) -> bool:
+        now, topics = real_clock.monotonic(), program.topics & self._first.keys()
+        speaks_on = any(now - self._first[topic] > SPEAKS_ON for topic in topics)
+        return speaks_on or program.ready(now)
 
     def _has_room(self, published: Published) -> bool:
-        """Return whether a message is among the few that are noted of a topic in so short a time.
-
-        A robot's driver takes them at its own pace, too.
-        """
+        """Return whether to note a message: a robot's driver takes few in so short a time, too."""
         self._first.setdefault(published.topic, real_clock.monotonic())
         slot = published.time // SLOT
         latest, count = self._slots.get(published.topic, (slot, 0))
