@@ -109,6 +109,9 @@ rmw_qos_policy_kind_t = PolicyKind
 rclpy_action_get_rmw_qos_profile = action_profile
 rclpy_qos_check_compatible = check_compatible
 rclpy_remove_ros_args = without_ros_arguments
+rclpy_remap_topic_name = Node.remap
+rclpy_assert_liveliness = Publisher.assert_liveliness
+rclpy_deserialize = cdr.deserialize
 
 rclpy_get_validation_error_for_topic_name = names.topic_name_problem
 rclpy_get_validation_error_for_full_topic_name = names.full_topic_name_problem
@@ -152,24 +155,9 @@ def rclpy_resolve_name(node: Node, name: str, only_expand: bool, is_service: boo
         raise RCLError(f"failed to resolve name: {error}") from None
 
 
-def rclpy_remap_topic_name(node: Node, name: str) -> str:
-    """Return what a full name becomes by the rules of the command line."""
-    return node.remap(name)
-
-
-def rclpy_assert_liveliness(publisher: Publisher) -> None:
-    """Say that a publisher is alive."""
-    publisher.assert_liveliness()
-
-
 def rclpy_serialize(message: Any, _cls: Any) -> bytes:
     """Return a message's CDR."""
     return cdr.serialize(message)
-
-
-def rclpy_deserialize(data: bytes, cls: Any) -> Any:
-    """Return the message that CDR holds."""
-    return cdr.deserialize(data, cls)
 
 
 def rclpy_get_rmw_implementation_identifier() -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from .arguments import ACTION
@@ -60,40 +61,15 @@ class ActionClient(Destroyable):
         self._clients = (self._goal, self._cancel, self._result)
         self._subscriptions = (self._feedback, self._status)
         self._indices: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
-
-    def send_goal_request(self, request: Any) -> int:
-        """Ask for a goal; return the number of the request."""
-        return self._goal.send_request(request)
-
-    def send_cancel_request(self, request: Any) -> int:
-        """Ask to cancel goals; return the number of the request."""
-        return self._cancel.send_request(request)
-
-    def send_result_request(self, request: Any) -> int:
-        """Ask for a result; return the number of the request."""
-        return self._result.send_request(request)
-
-    def take_goal_response(self, cls: Any) -> tuple[int | None, Any]:
-        """Return the number and the answer to a request for a goal."""
-        return _taken(self._goal, cls)
-
-    def take_cancel_response(self, cls: Any) -> tuple[int | None, Any]:
-        """Return the number and the answer to a request to cancel."""
-        return _taken(self._cancel, cls)
-
-    def take_result_response(self, cls: Any) -> tuple[int | None, Any]:
-        """Return the number and the answer to a request for a result."""
-        return _taken(self._result, cls)
-
-    def take_feedback(self, cls: Any) -> Any:
-        """Return a message; None if there is none."""
-        taken = self._feedback.take_message(cls, False)
-        return None if taken is None else taken[0]
-
-    def take_status(self, cls: Any) -> Any:
-        """Return a message; None if there is none."""
-        taken = self._status.take_message(cls, False)
-        return None if taken is None else taken[0]
+        # what rclpy calls: a request gets a number, a response comes with its own
+        self.send_goal_request = self._goal.send_request
+        self.send_cancel_request = self._cancel.send_request
+        self.send_result_request = self._result.send_request
+        self.take_goal_response = partial(_taken, self._goal)
+        self.take_cancel_response = partial(_taken, self._cancel)
+        self.take_result_response = partial(_taken, self._result)
+        self.take_feedback = partial(_message, self._feedback)
+        self.take_status = partial(_message, self._status)
 
     def is_action_server_available(self) -> bool:
         """Return whether somebody serves the action, with all that belongs to it."""
@@ -128,3 +104,8 @@ class ActionClient(Destroyable):
 def _taken(client: Client, cls: Any) -> tuple[int | None, Any]:
     info, response = client.take_response(cls)
     return (None, None) if info is None else (info.request_id.sequence_number, response)
+
+
+def _message(subscription: Subscription, cls: Any) -> Any:
+    taken = subscription.take_message(cls, False)
+    return None if taken is None else taken[0]

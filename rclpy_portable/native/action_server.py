@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from .action_client import SUFFIXES, action_name
@@ -56,34 +57,14 @@ class ActionServer(Destroyable):
         self._ended: dict[bytes, int] = {}  # goals that came to an end: when [ns]
         self._indices: tuple[int, ...] = ()
         self._timer_index = 0
-
-    def take_goal_request(self, cls: Any) -> tuple[rmw_request_id_t | None, Any]:
-        """Return a request for a goal."""
-        return _taken(self._goal, cls)
-
-    def take_cancel_request(self, cls: Any) -> tuple[rmw_request_id_t | None, Any]:
-        """Return a request to cancel goals."""
-        return _taken(self._cancel, cls)
-
-    def take_result_request(self, cls: Any) -> tuple[rmw_request_id_t | None, Any]:
-        """Return a request for a result."""
-        return _taken(self._result, cls)
-
-    def send_goal_response(self, header: rmw_request_id_t, response: Any) -> None:
-        """Answer a request for a goal."""
-        self._goal.service_send_response(response, header)
-
-    def send_cancel_response(self, header: rmw_request_id_t, response: Any) -> None:
-        """Answer a request to cancel goals."""
-        self._cancel.service_send_response(response, header)
-
-    def send_result_response(self, header: rmw_request_id_t, response: Any) -> None:
-        """Answer a request for a result."""
-        self._result.service_send_response(response, header)
-
-    def publish_feedback(self, message: Any) -> None:
-        """Tell of progress."""
-        self._feedback.publish(message)
+        # what rclpy calls
+        self.take_goal_request = partial(_taken, self._goal)
+        self.take_cancel_request = partial(_taken, self._cancel)
+        self.take_result_request = partial(_taken, self._result)
+        self.send_goal_response = partial(_answer, self._goal)
+        self.send_cancel_response = partial(_answer, self._cancel)
+        self.send_result_response = partial(_answer, self._result)
+        self.publish_feedback = self._feedback.publish
 
     def publish_status(self) -> None:
         """Tell the states of all goals."""
@@ -199,6 +180,10 @@ class ActionServer(Destroyable):
 def _taken(service: Service, cls: Any) -> tuple[rmw_request_id_t | None, Any]:
     request, info = service.service_take_request(cls)
     return (None, None) if info is None else (info.request_id, request)
+
+
+def _answer(service: Service, header: rmw_request_id_t, response: Any) -> None:
+    service.service_send_response(response, header)
 
 
 def _nanoseconds(stamp: Any) -> int:

@@ -40,10 +40,8 @@ class Participant:
     def leave(self) -> None:
         """Be nobody's peer any more: the context is shut down."""
         self.alive = False
-        for publisher in self.publishers:
-            _part_publisher(publisher)
-        for subscription in self.subscriptions:
-            _part_subscription(subscription)
+        for end in (*self.publishers, *self.subscriptions):
+            _part(end)
         if self in self._domain:
             self._domain.remove(self)
 
@@ -112,13 +110,13 @@ class Participant:
     def forget_publisher(self, publisher: Publisher) -> None:
         """Take a publisher out of the graph."""
         self.publishers.remove(publisher)
-        _part_publisher(publisher)
+        _part(publisher)
         self.release(publisher.wire)
 
     def forget_subscription(self, subscription: Subscription) -> None:
         """Take a subscription out of the graph."""
         self.subscriptions.remove(subscription)
-        _part_subscription(subscription)
+        _part(subscription)
         self.release(subscription.wire)
 
 
@@ -145,16 +143,10 @@ def _meet(publisher: Publisher, subscription: Subscription) -> None:
     subscription.gain(publisher)
 
 
-def _part_publisher(publisher: Publisher) -> None:
-    for peer in list(publisher.peers):
-        peer.lose(publisher)
-        publisher.lose(peer)
-
-
-def _part_subscription(subscription: Subscription) -> None:
-    for peer in list(subscription.peers):
-        peer.lose(subscription)
-        subscription.lose(peer)
+def _part(end: Any) -> None:
+    for peer in list(end.peers):
+        peer.lose(end)
+        end.lose(peer)
 
 
 def ros_type(cls: Any) -> str:

@@ -79,6 +79,10 @@ TRANSITIONS = (
 )
 
 
+def _service(name: str) -> property:
+    return property(lambda machine: machine._services.get(name))
+
+
 class LifecycleStateMachine(Destroyable):
     """The state of one managed node."""
 
@@ -131,30 +135,11 @@ class LifecycleStateMachine(Destroyable):
         """All transitions."""
         return [transition.row() for transition in TRANSITIONS]
 
-    @property
-    def service_change_state(self) -> Service | None:
-        """The service by which others trigger a transition."""
-        return self._services.get("change_state")
-
-    @property
-    def service_get_state(self) -> Service | None:
-        """The service that tells the state."""
-        return self._services.get("get_state")
-
-    @property
-    def service_get_available_states(self) -> Service | None:
-        """The service that tells all states."""
-        return self._services.get("get_available_states")
-
-    @property
-    def service_get_available_transitions(self) -> Service | None:
-        """The service that tells what may follow."""
-        return self._services.get("get_available_transitions")
-
-    @property
-    def service_get_transition_graph(self) -> Service | None:
-        """The service that tells all transitions."""
-        return self._services.get("get_transition_graph")
+    service_change_state = _service("change_state")
+    service_get_state = _service("get_state")
+    service_get_available_states = _service("get_available_states")
+    service_get_available_transitions = _service("get_available_transitions")
+    service_get_transition_graph = _service("get_transition_graph")
 
     def get_transition_by_label(self, label: str) -> int:
         """Return the number of a transition that may follow now."""

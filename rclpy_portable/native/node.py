@@ -110,21 +110,9 @@ class Node(Destroyable):
         """Return how many clients a service has."""
         return sum(end.topic == name for end in self.participant.all_clients())
 
-    def get_action_names_and_types(self) -> list[tuple[str, list[str]]]:
-        """Return all actions of the graph with their types."""
-        return queries.actions(self)
-
-    def get_action_server_names_and_types_by_node(
-        self, name: str, namespace: str
-    ) -> list[tuple[str, list[str]]]:
-        """Return the actions that a node serves."""
-        return queries.actions_served_by(self, name, namespace)
-
-    def get_action_client_names_and_types_by_node(
-        self, name: str, namespace: str
-    ) -> list[tuple[str, list[str]]]:
-        """Return the actions that a node asks for."""
-        return queries.actions_asked_by(self, name, namespace)
+    get_action_names_and_types = queries.actions
+    get_action_server_names_and_types_by_node = queries.actions_served_by
+    get_action_client_names_and_types_by_node = queries.actions_asked_by
 
     def _destroy(self) -> None:
         self.participant.nodes.remove(self)

@@ -54,11 +54,20 @@ class _ServiceEnd(End):
     def __init__(self, node: Node, cls: Any, name: str, qos: rmw_qos_profile_t | None) -> None:
         super().__init__(node, cls, name, qos)
         self.participant.claim(self.wire, cls.Request, self.what, "request topic")
+        self.queue: deque[_Letter] = deque()
 
     @property
     def wire(self) -> str:
         """The name that requests have in DDS."""
         return f"rq{self.topic}Request"
+
+    @property
+    def ready(self) -> bool:
+        """There is a request to take, or a response, perhaps to another's request."""
+        return bool(self.queue)
+
+    def configure_introspection(self, _clock: Any, _qos: Any, _state: Any) -> None:
+        """Nobody publishes what services and clients do here."""
 
 
 class Service(_ServiceEnd):
@@ -68,7 +77,6 @@ class Service(_ServiceEnd):
 
     def __init__(self, node: Node, cls: Any, name: str, qos: rmw_qos_profile_t | None) -> None:
         super().__init__(node, cls, name, qos)
-        self.queue: deque[_Letter] = deque()
         self.participant.services.append(self)
 
     @property
@@ -80,11 +88,6 @@ class Service(_ServiceEnd):
     def qos(self) -> dict[str, Any]:
         """The profile, as arguments of rclpy's QoSProfile."""
         return self.profile.to_dict()
-
-    @property
-    def ready(self) -> bool:
-        """There is a request to take."""
-        return bool(self.queue)
 
     def service_take_request(self, cls: Any) -> tuple[Any, rmw_service_info_t | None]:
         """Return the oldest request, with the id under which its answer goes back."""
@@ -105,9 +108,6 @@ class Service(_ServiceEnd):
                 client.queue.append(letter)
         machine.changed()
 
-    def configure_introspection(self, _clock: Any, _qos: Any, _state: Any) -> None:
-        """Nobody publishes what services do here."""
-
     def _destroy(self) -> None:
         self.participant.services.remove(self)
         self.participant.release(self.wire)
@@ -120,7 +120,6 @@ class Client(_ServiceEnd):
 
     def __init__(self, node: Node, cls: Any, name: str, qos: rmw_qos_profile_t | None) -> None:
         super().__init__(node, cls, name, qos)
-        self.queue: deque[_Letter] = deque()
         self._numbers = itertools.count(1)
         self.participant.clients.append(self)
 
@@ -128,11 +127,6 @@ class Client(_ServiceEnd):
     def service_name(self) -> str:
         """The full name of the service."""
         return self.topic
-
-    @property
-    def ready(self) -> bool:
-        """There is a response to take, perhaps to another's request."""
-        return bool(self.queue)
 
     def service_server_is_available(self) -> bool:
         """Return whether somebody would answer."""
@@ -157,9 +151,6 @@ class Client(_ServiceEnd):
         if letter.id.client is not self:
             return None, None
         return letter.info(), cdr.deserialize(letter.data, cls)
-
-    def configure_introspection(self, _clock: Any, _qos: Any, _state: Any) -> None:
-        """Nobody publishes what clients do here."""
 
     def _servers(self) -> list[Service]:
         return [

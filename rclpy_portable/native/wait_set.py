@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partialmethod
 from typing import TYPE_CHECKING, Any
 
 from . import machine
@@ -41,29 +42,13 @@ class WaitSet(Destroyable):
         self._all[kind].append(handle)
         return len(self._all[kind]) - 1
 
-    def add_subscription(self, handle: Any) -> int:
-        """Add a subscription; return its index among them."""
-        return self._add("subscription", handle)
-
-    def add_guard_condition(self, handle: Any) -> int:
-        """Add a guard condition; return its index among them."""
-        return self._add("guard_condition", handle)
-
-    def add_timer(self, handle: Any) -> int:
-        """Add a timer; return its index among them."""
-        return self._add("timer", handle)
-
-    def add_client(self, handle: Any) -> int:
-        """Add a client; return its index among them."""
-        return self._add("client", handle)
-
-    def add_service(self, handle: Any) -> int:
-        """Add a service; return its index among them."""
-        return self._add("service", handle)
-
-    def add_event(self, handle: Any) -> int:
-        """Add an event; return its index among them."""
-        return self._add("event", handle)
+    # return the handle's index among those of its kind
+    add_subscription = partialmethod(_add, "subscription")
+    add_guard_condition = partialmethod(_add, "guard_condition")
+    add_timer = partialmethod(_add, "timer")
+    add_client = partialmethod(_add, "client")
+    add_service = partialmethod(_add, "service")
+    add_event = partialmethod(_add, "event")
 
     def is_ready(self, kind: str, index: int) -> bool:
         """Return whether a handle was ready when the last wait ended."""
