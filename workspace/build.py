@@ -78,7 +78,7 @@ NOT_OF_PACKAGES = re.compile(
     r"pygments/(lexers/(?!__init__|_mapping|python|diff)|styles/(?!__init__|_mapping|default)"
     r"|formatters/(?!__init__|_mapping|terminal\.))|rosbags/(convert|rosbag1|rosbag2)/"
     r"|rosbags/typesys/stores/(latest|ros1|ros2_(kilted|lyrical))|click/(testing|_winconsole)"
-    r"|rich/(__main__|_inspect|_spinners|_stack|_timer|_win|_unicode_data/unicode(?!17)|bar|columns"
+    r"|rich/(__main__|_emoji_codes|_inspect|_spinners|_stack|_timer|_win|_unicode_data/unicode(?!17)|bar|columns"
     r"|diagnose|file_proxy|filesize|json|layout|live|logging|markdown|panel|progress|prompt|rule"
     r"|scope|spinner|status|syntax|traceback|tree)"
 )

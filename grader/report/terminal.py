@@ -54,6 +54,9 @@ SPARED = ("Log", "Change", "Field", "Seen")  # what gives way if there are more,
 class Console(_Console):
     """A terminal for text that others may have written: all of it becomes `readable`."""
 
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(emoji=False, **settings)  # `:x:` in a node's words is no picture
+
     def render(
         self, renderable: RenderableType, options: ConsoleOptions | None = None
     ) -> Iterator[Segment]:

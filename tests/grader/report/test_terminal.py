@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 from rich.console import Console
 
+from grader.report import terminal
 from grader.report.facts import in_order
 from grader.report.terminal import ROWS, readable, render_terminal
 
@@ -143,6 +144,12 @@ def test_student_text_is_only_text() -> None:
     assert "[red]x[/red] [/]" in words(shown)
     for control in ("\x1b[31m", "\x1b]", "\x07", "\u202e", "\x9b", "title"):
         assert control not in shown
+
+
+def test_a_word_between_colons_is_no_picture() -> None:
+    printed = io.StringIO()
+    terminal.Console(file=printed).print("a:x:b")
+    assert printed.getvalue() == "a:x:b\n"
 
 
 def test_an_ascii_terminal_a_huge_message_and_no_check_at_all() -> None:
