@@ -22,7 +22,6 @@ from typing import IO, Any
 
 import pytest
 
-SIZE = (1280, 800)
 PATIENCE = 1200  # [s] of a script, on a busy machine
 KEYS = {"Enter": "\ue007", "Control": "\ue009", "Shift": "\ue008"}
 # Whatever an expression comes to, once its promise is kept
@@ -79,7 +78,7 @@ def _chromium(_: Path) -> Iterator[Tab]:
     path = _path("chromium")
     with sync_api.sync_playwright() as playwright:
         chromium = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        page = chromium.new_page(viewport=dict(zip(("width", "height"), SIZE, strict=True)))
+        page = chromium.new_page()
         tab = Tab(page.goto, page.evaluate, list, page.screenshot)
         tab.press = lambda *keys: page.keyboard.press("+".join(keys))  # type: ignore[method-assign]
         tab.type = page.keyboard.type
@@ -109,18 +108,13 @@ def _firefox(folder: Path) -> Iterator[Tab]:
             assert answer["type"] == "success", answer
             return answer["result"]
 
-        def evaluate(script: str) -> Any:
-            told = ask("script.evaluate", expression=script, target=tab, awaitPromise=True)
-            assert told["type"] == "success", told
-            return told["result"]["value"]
-
         ask("session.new", capabilities={})
         tab = {"context": ask("browsingContext.getTree")["contexts"][0]["context"]}
-        size = dict(zip(("width", "height"), SIZE, strict=True))
-        ask("browsingContext.setViewport", viewport=size, **tab)
         yield Tab(
             lambda url: ask("browsingContext.navigate", url=url, wait="complete", **tab),
-            evaluate,
+            lambda script: ask("script.evaluate", expression=script, target=tab, awaitPromise=True)[
+                "result"
+            ]["value"],
             lambda actions: ask("input.performActions", actions=actions, **tab),
             lambda: b64decode(ask("browsingContext.captureScreenshot", **tab)["data"]),
         )
@@ -133,8 +127,8 @@ def _webkit(folder: Path) -> Iterator[Tab]:
     driver, screen = _path("WebKitWebDriver"), _path("Xvfb")
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
-    sized = ("-screen", "0", "{}x{}x24".format(*SIZE), "-displayfd", "1")
-    with _started(screen, *sized, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as shown:
+    tell = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+    with _started(screen, "-displayfd", "1", "-screen", "0", "1280x800x24", **tell) as shown:
         display = f":{_said(shown.stdout, '([0-9]+)')}"
         environment = {**os.environ, "HOME": str(folder), "DISPLAY": display}
         with _started(driver, f"--port={port}", env=environment):

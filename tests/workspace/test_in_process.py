@@ -96,12 +96,8 @@ def test_without_threads_a_reference_wins_what_the_plan_says(tmp_path: Path, nam
 def _graded(
     exercise: Exercise, submission: Submission, scenarios: list[str], folder: Path, *more: str
 ) -> dict[str, Any]:
-    order = {
-        "exercise": exercise.slug,
-        "file": str(submission.path),
-        "others": list(exercise.files),
-        "scenarios": scenarios,
-    }
+    order = {"exercise": exercise.slug, "file": str(submission.path),
+             "others": list(exercise.files), "scenarios": scenarios}  # fmt: skip
     lay(folder, course_files())
     done = subprocess.run(
         [sys.executable, FORKED, folder, *more],
