@@ -18,10 +18,7 @@ DISTRO = "jazzy"
 def activate(tell: Callable[[str], None] = lambda _: None) -> Path:
     """Let `import rclpy` find this runtime; return the folder from which it comes.
 
-    Raises
-    ------
-    wheels.DownloadFailed
-        rclpy's Python is not unpacked yet and can't be had.
+    Raises wheels.DownloadFailed: rclpy's Python is not unpacked yet and can't be had.
     """
     folder = unpacking.folder(tell)
     if str(folder) not in sys.path:

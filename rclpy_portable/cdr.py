@@ -44,10 +44,8 @@ class Coder(NamedTuple):
 def serialize(message: Any) -> bytes:
     """Return a message as CDR.
 
-    Raises
-    ------
-    AssertionError, TypeError, ValueError, OverflowError
-        A field's value can't stand in a field of its type.
+    Raises AssertionError, TypeError, ValueError, OverflowError: a field's value can't stand in a
+    field of its type.
     """
     out = bytearray()
     _of_class(type(message)).write(out, message)
@@ -57,10 +55,7 @@ def serialize(message: Any) -> bytes:
 def deserialize(data: bytes, cls: Any) -> Any:
     """Return the message that CDR holds.
 
-    Raises
-    ------
-    RuntimeError
-        It is too short, or not little-endian.
+    Raises RuntimeError: it is too short, or not little-endian.
     """
     if len(data) < len(HEADER) or data[1] != 1:
         raise RuntimeError("failed to deserialize ROS message: expected little-endian CDR")

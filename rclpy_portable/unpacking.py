@@ -45,10 +45,7 @@ Files = Iterator[tuple[str, bytes]]  # path below the folder, content
 def folder(tell: Callable[[str], None] = lambda _: None) -> Path:
     """Return the folder to import rclpy from; make it if it is not there, or of other versions.
 
-    Raises
-    ------
-    wheels.DownloadFailed
-        It has to be made, and the wheels can't be had.
+    Raises wheels.DownloadFailed: it has to be made, and the wheels can't be had.
     """
     if not FOLDER.is_dir() or _is_stale():
         tell("once: unpacking rclpy's Python out of its wheels")
@@ -69,16 +66,13 @@ def _notice() -> str:
 def unpack(target: Path, source: Path | None = None) -> None:
     """Make the folder.
 
+    Raises wheels.DownloadFailed: the wheels can't be had.
+
     Parameters
     ----------
     source
         A folder with the wheels, or with what is installed of them; by default this Python's own
         packages if ROS's are among them, in the right versions, and what pip can fetch otherwise.
-
-    Raises
-    ------
-    wheels.DownloadFailed
-        The wheels can't be had.
     """
     with tempfile.TemporaryDirectory(prefix="rclpy-portable-") as name:
         if source is None and (source := _installed()) is None:

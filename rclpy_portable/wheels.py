@@ -48,10 +48,7 @@ class DownloadFailed(Exception):
 def download(folder: Path) -> list[Path]:
     """Fetch the wheels into a folder, with this Python's pip; return their paths.
 
-    Raises
-    ------
-    DownloadFailed
-        pip says why.
+    Raises DownloadFailed: pip says why.
     """
     wanted = [f"{name}=={version}" for name, version in VERSIONS.items()]
     command = [

@@ -27,10 +27,7 @@ SUFFIXES = {
 def action_name(node: Node, name: str) -> str:
     """Return the full name of an action.
 
-    Raises
-    ------
-    ValueError
-        It is not valid.
+    Raises ValueError: it is not valid.
     """
     return node.resolve(name, ACTION)
 

@@ -80,10 +80,7 @@ class ActionServer(Destroyable):
     def accept(self, goal: ActionGoalHandle) -> int:
         """Take in a goal; return the time [ns].
 
-        Raises
-        ------
-        RCLError
-            There is one of that id.
+        Raises RCLError: there is one of that id.
         """
         if self._find(goal.id):
             raise RCLError("Failed to accept new goal: goal ID already exists")

@@ -76,12 +76,8 @@ class Arguments:
 def parse(words: Sequence[str]) -> Arguments:
     """Read a command line.
 
-    Raises
-    ------
-    RCLError
-        Something is not of the form that it should have.
-    UnknownROSArgsError
-        Nobody knows what something after `--ros-args` means.
+    Raises RCLError: something is not of the form that it should have.
+    Raises UnknownROSArgsError: nobody knows what something after `--ros-args` means.
     """
     for word in words:
         word.encode()  # what is no text raises UnicodeEncodeError

@@ -48,10 +48,7 @@ class ActionGoalHandle(Destroyable):
     def update_goal_state(self, event: GoalEvent) -> None:
         """Go on to the next state.
 
-        Raises
-        ------
-        RCLError
-            The event can't come in this state.
+        Raises RCLError: the event can't come in this state.
         """
         following = NEXT.get((self._status, GoalEvent(event)))
         if following is None:

@@ -72,10 +72,7 @@ class Participant:
     def claim(self, wire: str, cls: Any, what: str, noun: str = "topic") -> None:
         """Note that one more end of a kind has this type under a name on the wire.
 
-        Raises
-        ------
-        RCLError
-            The name has another type in this participant.
+        Raises RCLError: the name has another type in this participant.
         """
         kind, count = self._types.get(wire, (cls, 0))
         if kind is not cls:

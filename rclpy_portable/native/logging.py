@@ -58,10 +58,7 @@ def set_logger_level(name: str, level: int, detailed_error: bool = False) -> Non
 def severity_level_from_string(text: str) -> int:
     """Return a severity by its name.
 
-    Raises
-    ------
-    RuntimeError
-        There is none of that name.
+    Raises RuntimeError: there is none of that name.
     """
     for severity, name in {0: "UNSET", **NAMES}.items():
         if name == text.upper():

@@ -63,10 +63,7 @@ def node_name_problem(name: str) -> Invalid:
 def expand(name: str, node: str, namespace: str) -> str:
     """Return the absolute name that a node means.
 
-    Raises
-    ------
-    ValueError
-        One of the three is not valid.
+    Raises ValueError: one of the three is not valid.
     """
     if topic_name_problem(name):
         raise ValueError(f"topic name is invalid: {name!r}")

@@ -38,10 +38,7 @@ class _Loader(yaml.SafeLoader):  # type: ignore[misc]
 def of_option(text: str) -> list[Any]:
     """Return the values, one after the other, that `-p name:=text` gives to a parameter.
 
-    Raises
-    ------
-    ValueError, yaml.YAMLError
-        It is none.
+    Raises ValueError, yaml.YAMLError: it is none.
     """
     if not text:
         raise ValueError("error not set")
@@ -52,12 +49,8 @@ def of_option(text: str) -> list[Any]:
 def of_file(path: Path) -> Iterator[tuple[str, str, Any]]:
     """Find what a file of parameters says: pattern of a node's name, parameter, value.
 
-    Raises
-    ------
-    OSError
-        It can't be read.
-    ValueError, yaml.YAMLError
-        It is no file of parameters.
+    Raises OSError: it can't be read.
+    Raises ValueError, yaml.YAMLError: it is no file of parameters.
     """
     text = path.read_text("utf-8")
     if any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text, _Loader)):

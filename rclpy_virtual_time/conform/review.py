@@ -59,10 +59,7 @@ class Review:
 def read_list(suite: str, path: Path = LIST) -> Reviewed:
     """Read the part of the reviewed list that is about a suite.
 
-    Raises
-    ------
-    EngineError
-        The file is not of this form; the message says where.
+    Raises EngineError: the file is not of this form; the message says where.
     """
     try:
         suites = msgspec.convert(tomllib.loads(path.read_text("utf-8")), dict[str, Reviewed])

@@ -56,10 +56,7 @@ class Outcomes:
 def rclpy_modules(checkout: Path) -> list[str]:
     """Return the modules of rclpy's tests.
 
-    Raises
-    ------
-    EngineError
-        It is no checkout of rclpy.
+    Raises EngineError: it is no checkout of rclpy.
     """
     modules = sorted((checkout / "rclpy" / "test").glob("test_*.py"))
     if not modules:
@@ -86,10 +83,7 @@ def cpython_modules() -> list[str]:
 def check_unprivileged(forkserver: ForkServer) -> None:
     """Make sure that hosts are not root.
 
-    Raises
-    ------
-    EngineError
-        They would be.
+    Raises EngineError: they would be.
     """
     if os.getuid() == 0 and layers.USER not in forkserver.layers:
         raise EngineError("tests that are not ours would run as root; run this as another user")

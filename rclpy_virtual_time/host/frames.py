@@ -381,10 +381,7 @@ decode_from_radio: Callable[[bytes], FromRadio] = msgspec.msgpack.Decoder(FromRa
 def encode(frame: ToHost | ToJudge | FromScript | FromTest | FromLive | FromRadio) -> bytes:
     """Return the frame with its length in front.
 
-    Raises
-    ------
-    ValueError
-        The body is larger than MAX_FRAME.
+    Raises ValueError: the body is larger than MAX_FRAME.
     """
     body = _encoder.encode(frame)
     if len(body) > MAX_FRAME:

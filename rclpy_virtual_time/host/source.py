@@ -28,10 +28,7 @@ ADVICE = "but no encoding declared; see https://peps.python.org/pep-0263/ for de
 def compiled(file: str) -> CodeType:
     """Return the code of a file.
 
-    Raises
-    ------
-    SyntaxError, ValueError
-        Python does not accept it.
+    Raises SyntaxError, ValueError: Python does not accept it.
     """
     source = Path(file).read_bytes()
     _check_encoding(source, file)

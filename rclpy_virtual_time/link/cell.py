@@ -76,6 +76,12 @@ class FileReader:
     ) -> T:
         """Return what `work` makes of a file, in a process of its own.
 
+        Raises Refused, Broken: the file can't be read. Its reader was ended by a limit, raised
+        `Refused`, or anything.
+        Raises DiskFull: no space is left.
+        Raises OSError: the file can't be opened, is a link, or no ordinary file.
+        Raises EngineError: no process can be made.
+
         Parameters
         ----------
         work
@@ -83,17 +89,6 @@ class FileReader:
             folder it may write to, if they are given; then with `arguments`, which are plain data.
         returns
             The type of its answer.
-
-        Raises
-        ------
-        Refused, Broken
-            The file can't be read. Its reader was ended by a limit, raised `Refused`, or anything.
-        DiskFull
-            No space is left.
-        OSError
-            The file can't be opened, is a link, or no ordinary file.
-        EngineError
-            No process can be made.
         """
         with contextlib.ExitStack() as stack:
             opened = None if file is None else stack.enter_context(open_regular_file(file))

@@ -20,6 +20,8 @@ def start_launcher(
 ) -> ForkServer | PracticeServer:
     """Start a launcher.
 
+    Raises NoRos: there is neither.
+
     Parameters
     ----------
     epoch
@@ -30,11 +32,6 @@ def start_launcher(
         Take the portable runtime also where the real rclpy is.
     options
         `advice` and `workshop` of `ForkServer`.
-
-    Raises
-    ------
-    NoRos
-        There is neither.
     """
     if portable or PracticeServer.why_needed():
         return PracticeServer(epoch, libraries=libraries, **options)

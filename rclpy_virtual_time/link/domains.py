@@ -20,10 +20,7 @@ _PORT_TABLES = ("/proc/net/udp", "/proc/net/udp6")
 def own_domain() -> Iterator[int]:
     """Hold a domain that no other trial on this machine, and no other ROS program, is in.
 
-    Raises
-    ------
-    EngineError
-        There is none left.
+    Raises EngineError: there is none left.
     """
     taken = domains_in_use()
     candidates = [domain for domain in DOMAINS if domain not in taken]

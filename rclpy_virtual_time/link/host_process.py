@@ -48,10 +48,8 @@ class HostProcess:
 
         After `patience` [s] it is killed: a program can close its pipes and live on.
 
-        Raises
-        ------
-        EngineError
-            It has never come to the student's program, or the fork server has ended.
+        Raises EngineError: it has never come to the student's program, or the fork server has
+        ended.
         """
         self.reap(patience)
         said = self._said.decode("utf-8", "replace").strip()

@@ -226,10 +226,7 @@ class ForkServer:
         Where mounts are to be had it is `limited`: hosts work in a copy, which can't grow, and
         which is gone when the block ends.
 
-        Raises
-        ------
-        EngineError
-            The machine refuses that.
+        Raises EngineError: the machine refuses that.
         """
         with self.user() as uid:
             if uid:

@@ -136,10 +136,7 @@ class InProcess:
     def hold(self, conversation: Conversation[Result], host: _Host) -> Result:
         """Run the programs of a trial until it is over, or they are; return how it ended.
 
-        Raises
-        ------
-        StartEarlier
-            A second start, which comes from a first that found out about it.
+        Raises StartEarlier: a second start, which comes from a first that found out about it.
         """
         wire = _OwnWire(conversation, host)
         if self._used:
@@ -154,10 +151,7 @@ class InProcess:
     def carry_out(self, task: Task, host: _Host) -> Carried:
         """Carry out a task, which may run a program: so this takes a copy of its own.
 
-        Raises
-        ------
-        HostDied
-            It has ended the process.
+        Raises HostDied: it has ended the process.
         """
         carried: list[Carried] = []
         with host.printing():
@@ -286,10 +280,7 @@ class _OwnWire(Wire, Generic[Result]):
     def outcome(self) -> Result:
         """Return what the conversation returned; a program that said nothing at its end has died.
 
-        Raises
-        ------
-        Exception
-            What the conversation raised.
+        Raises Exception: what the conversation raised.
         """
         if self._end is None:
             try:

@@ -50,10 +50,8 @@ class Transport(Protocol):
     def exchange(self, data: bytes, limit: float) -> tuple[bytes, Cost]:
         """Send a frame; return the body of the answer, after `limit` [s] of wall time at most.
 
-        Raises
-        ------
-        HostDied, HostHung, HostForged, Excess
-            The process ended, did not answer in time, sent nonsense, or took too much.
+        Raises HostDied, HostHung, HostForged, Excess: the process ended, did not answer in time,
+        sent nonsense, or took too much.
         """
 
     def read_output(self) -> None:

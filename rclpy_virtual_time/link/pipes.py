@@ -55,10 +55,7 @@ class Channel:
     def _patrol(self) -> None:
         """See now and then what the host takes of the machine.
 
-        Raises
-        ------
-        Excess
-            It takes too much.
+        Raises Excess: it takes too much.
         """
         now = real_clock.perf_counter()
         if self._host.watch is not None and now - self._looked >= PATROL:

@@ -215,10 +215,7 @@ class PracticeHost:
     def begin(self, folder: Path) -> None:
         """Wait until the host has done its imports; let it work in a folder.
 
-        Raises
-        ------
-        EngineError
-            It could not start.
+        Raises EngineError: it could not start.
         """
         try:
             self._receive(START)

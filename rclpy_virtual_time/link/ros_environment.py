@@ -67,10 +67,7 @@ class RosEnvironment:
     def portable() -> RosEnvironment:
         """Return the environment of the portable runtime, which needs no ROS (rclpy_portable).
 
-        Raises
-        ------
-        NoRos
-            rclpy's Python has to be fetched for it, and can't be.
+        Raises NoRos: rclpy's Python has to be fetched for it, and can't be.
         """
         try:
             folder = unpacking.folder(_tell)
@@ -84,17 +81,14 @@ class RosEnvironment:
     ) -> RosEnvironment:
         """Return the ROS 2 installation of this machine.
 
+        Raises NoRos: there is none, or only another one; the message says how to install it.
+
         Parameters
         ----------
         environ
             Environment variables to look at; the process's own by default.
         folders
             Folders in which the wheels may lie; by default those of this interpreter.
-
-        Raises
-        ------
-        NoRos
-            There is none, or only another one; the message says how to install it.
         """
         variables = dict(os.environ) if environ is None else environ
         folders = list(_site_folders() if folders is None else folders)

@@ -75,10 +75,7 @@ def remove(top: Path) -> None:
 def open_regular_file(path: Path) -> BinaryIO:
     """Open a submitted file, or a file that a student's program wrote.
 
-    Raises
-    ------
-    OSError
-        It can't be read, is a link, or is not a regular file.
+    Raises OSError: it can't be read, is a link, or is not a regular file.
     """
     fd = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     if not stat.S_ISREG(os.fstat(fd).st_mode):

@@ -61,10 +61,7 @@ class Watch:
     def look(self) -> None:
         """Make sure that the host takes no more than it may; cheap enough for every exchange.
 
-        Raises
-        ------
-        Excess
-            It has taken too much.
+        Raises Excess: it has taken too much.
         """
         if self.place.limited:
             space = os.statvfs(self.place.descriptor)
@@ -86,10 +83,7 @@ class Watch:
 def check_folder(folder: Path, hidden: int = 0) -> None:
     """Make sure that a node doesn't fill the disk; `hidden` [bytes] are not in the folder.
 
-    Raises
-    ------
-    Excess
-        There are too many, or they are too large.
+    Raises Excess: there are too many, or they are too large.
     """
     size = hidden
     for count, entry in enumerate(_entries(folder), start=1):
@@ -139,10 +133,7 @@ def unlinked_of(pid: int) -> int:
 def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
     """Return what lies in a folder; without recursion, because it may be deep.
 
-    Raises
-    ------
-    Excess
-        It is deeper than a path may be long: what lies there can't be counted.
+    Raises Excess: it is deeper than a path may be long: what lies there can't be counted.
     """
     pending = [str(folder)]
     while pending:

@@ -23,6 +23,8 @@ SUPPORT = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTRO
 def define(package: str, definitions: Mapping[str, str], kind: str = "msg") -> dict[str, Any]:
     """Return the classes of a package's interfaces, by name, with the messages that they have.
 
+    Raises ValueError: a line is not in the format.
+
     Parameters
     ----------
     package
@@ -31,11 +33,6 @@ def define(package: str, definitions: Mapping[str, str], kind: str = "msg") -> d
         The text of each interface's file, by the name of the interface.
     kind
         "msg", "srv" or "action".
-
-    Raises
-    ------
-    ValueError
-        A line is not in the format.
     """
     made: dict[str, Any] = {}
     for name, text in definitions.items():

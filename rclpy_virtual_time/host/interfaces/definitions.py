@@ -71,10 +71,7 @@ class FieldType(NamedTuple):
 def parse(package: str, kind: str, name: str, text: str) -> list[Message]:
     """Return the messages of a file: one, a service's two, or an action's three.
 
-    Raises
-    ------
-    ValueError
-        A line is not in the format; the file and the line are named.
+    Raises ValueError: a line is not in the format; the file and the line are named.
     """
     file = f"{package}/{kind}/{name}.{kind}"
     if not parser.VALID_MESSAGE_NAME_PATTERN.fullmatch(name):
@@ -143,12 +140,8 @@ def _type(kind: Any) -> Any:
 def weigh(cls: Any, known: dict[Any, int], above: tuple[Any, ...] = ()) -> int:
     """Return how many values a new message has, with those of the messages in it.
 
-    Raises
-    ------
-    ValueError
-        They are too many, a type is not there, or a message is part of itself.
-    ModuleNotFoundError
-        A package is not there.
+    Raises ValueError: they are too many, a type is not there, or a message is part of itself.
+    Raises ModuleNotFoundError: a package is not there.
     """
     if cls in above or len(above) > MAX_DEPTH:
         names = " in ".join(each.__name__ for each in reversed((*above[-5:], cls)))

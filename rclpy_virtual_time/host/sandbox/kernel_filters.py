@@ -48,10 +48,7 @@ def restrict_files(read: Iterable[Path], write: Iterable[Path], newest: int = NE
 
     Of Landlock it uses what version `newest` has, as an older kernel would.
 
-    Raises
-    ------
-    OSError
-        The kernel has no Landlock.
+    Raises OSError: the kernel has no Landlock.
     """
     abi = min(landlock_abi(), newest)
     if not abi:
@@ -185,10 +182,7 @@ def restrict_calls(*, datagrams: bool = False, reserving: bool = True) -> None:
     and priorities stay as they are, though the calls seem to work. `datagrams` leaves it UDP,
     `reserving` the reservation of disk space, which takes gigabytes at once.
 
-    Raises
-    ------
-    OSError
-        The kernel has no seccomp, or the architecture is another.
+    Raises OSError: the kernel has no seccomp, or the architecture is another.
     """
     if platform.machine() not in ARCHITECTURES:
         raise OSError(errno.ENOSYS, f"no table of system calls for {platform.machine()}")

@@ -22,10 +22,7 @@ def furnish(folder: Path, uid: int) -> int:
 
     Return a descriptor of the new folder. Needs own mounts.
 
-    Raises
-    ------
-    OSError
-        The system refuses the mount; then the folder is as it was.
+    Raises OSError: the system refuses the mount; then the folder is as it was.
     """
     owner = uid or os.getuid()
     below = os.open(folder, os.O_PATH | os.O_DIRECTORY | os.O_NOFOLLOW)

@@ -104,10 +104,7 @@ class World:
     def publish(self, topic: str, message: Any, at: float | None = None, qos: Any = 10) -> None:
         """Send a message as it is now, at a time [s]; without one, at once.
 
-        Raises
-        ------
-        ValueError
-            That time is over.
+        Raises ValueError: that time is over.
         """
         moment = self._kernel.now if at is None else self._moment(at)
         if moment < self._kernel.now:
@@ -127,10 +124,7 @@ class World:
         What is due at that time is done, too. The nodes share an executor: a single-threaded one,
         if none is given. What they raise, it raises.
 
-        Raises
-        ------
-        ValueError
-            That time is over.
+        Raises ValueError: that time is over.
         """
         end = self._moment(until)
         if end < self._kernel.now:

@@ -159,10 +159,7 @@ class Kernel:
     def park(self, deadline: int | None = None, waiters: Waiters | None = None) -> bool:
         """Give the baton away until woken (True) or until the deadline [ns] (False).
 
-        Raises
-        ------
-        BaseException
-            What an interrupt raised (see `interrupt`).
+        Raises BaseException: what an interrupt raised (see `interrupt`).
         """
         thread = self.me()
         while True:

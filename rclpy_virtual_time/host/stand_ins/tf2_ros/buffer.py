@@ -89,10 +89,7 @@ class Buffer(BufferInterface):
     def set_transform(self, transform: Any, authority: str) -> None:
         """Keep a TransformStamped.
 
-        Raises
-        ------
-        InvalidArgumentException
-            Its frames or numbers are not valid.
+        Raises InvalidArgumentException: its frames or numbers are not valid.
         """
         self._set(transform, authority, static=False)
 
@@ -109,6 +106,9 @@ class Buffer(BufferInterface):
     ) -> Any:
         """Return where `source_frame` is in `target_frame`, a TransformStamped.
 
+        Raises TransformException: one of its kinds: LookupException, ConnectivityException,
+        ExtrapolationException.
+
         Parameters
         ----------
         target_frame, source_frame
@@ -117,11 +117,6 @@ class Buffer(BufferInterface):
             When, of rclpy or of a message; zero: at the newest time that is known.
         timeout
             How long to wait for it. Only where another thread spins.
-
-        Raises
-        ------
-        TransformException
-            One of its kinds: LookupException, ConnectivityException, ExtrapolationException.
         """
         self.can_transform(target_frame, source_frame, time, timeout)
         return self.lookup_transform_core(target_frame, source_frame, time)

@@ -33,10 +33,8 @@ class BufferInterface:
     ) -> Any:
         """Return a stamped message in another frame; `import tf2_geometry_msgs` for its types.
 
-        Raises
-        ------
-        TransformException
-            As `lookup_transform`; TypeException for a type that nothing is registered for.
+        Raises TransformException: as `lookup_transform`; TypeException for a type that nothing is
+        registered for.
         """
         do_transform = TransformRegistration().get(type(object_stamped))
         header = object_stamped.header
