@@ -18,10 +18,7 @@ is_disk_full = DiskFull.caused
 def naming_a_full_disk(advice: str) -> Iterator[None]:
     """Raise a `DiskFull` with this advice where a full disk ends the block.
 
-    Raises
-    ------
-    DiskFull
-        No space was left.
+    Raises DiskFull: no space was left.
     """
     try:
         yield

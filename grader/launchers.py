@@ -37,10 +37,7 @@ def fork_server(
 ) -> ForkServer:
     """Start a fork server for nodes; `options` are those of `ForkServer`.
 
-    Raises
-    ------
-    InputError
-        There is no ROS 2.
+    Raises InputError: there is no ROS 2.
     """
     from rclpy_virtual_time import ForkServer  # noqa: PLC0415
 
@@ -55,10 +52,7 @@ def start_launcher(
 
     `portable` takes the portable runtime also where the real rclpy is.
 
-    Raises
-    ------
-    InputError
-        There is neither.
+    Raises InputError: there is neither.
     """
     with _asking_for_ros():
         return start_engine(EPOCH_NS, (*HOSTED, *libraries), portable=portable, **COURSE)
@@ -97,10 +91,7 @@ class ForkServerPool:
     def of(self, libraries: tuple[str, ...] = ()) -> ForkServer | PracticeServer:
         """Return a launcher that has imported these modules: a fork server, where there can be one.
 
-        Raises
-        ------
-        EngineError
-            It can't be started.
+        Raises EngineError: it can't be started.
         """
         forkserver = self._warm.pop(libraries, None)
         if forkserver is None:

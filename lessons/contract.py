@@ -32,10 +32,7 @@ class Number:
 def read(file: Path = FILE) -> dict[str, Number]:
     """Return every number by its key.
 
-    Raises
-    ------
-    TypeError
-        An entry has a key that a Number does not have, or lacks one.
+    Raises TypeError: an entry has a key that a Number does not have, or lacks one.
     """
     tables = tomllib.loads(file.read_text("utf-8"))
     return {key: Number(key=key, **entry) for key, entry in tables.items()}

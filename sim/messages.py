@@ -81,10 +81,7 @@ def encode(value: Any, type: str) -> bytes:
 def decode(data: bytes, type: str) -> Any:
     """Return the rosbags message object in these CDR bytes.
 
-    Raises
-    ------
-    ValueError
-        The type is not known, or the bytes are not a message of it.
+    Raises ValueError: the type is not known, or the bytes are not a message of it.
     """
     if type not in typestore().fielddefs:
         raise ValueError(f"unknown message type {type!r}")
@@ -256,10 +253,7 @@ def twist(
 def twist_from_cdr(data: bytes) -> tuple[float, float, float, float, float, float]:
     """Return linear x, y, z [m/s] and angular x, y, z [rad/s] of a geometry_msgs/Twist.
 
-    Raises
-    ------
-    ValueError
-        The bytes are not a Twist: wrong length or not plain CDR.
+    Raises ValueError: the bytes are not a Twist: wrong length or not plain CDR.
     """
     if len(data) != _TWIST_BYTES or data[0] != 0 or data[1] not in (0, 1):
         start = bytes(data[:4]).hex()
@@ -275,10 +269,7 @@ def twist_from_cdr(data: bytes) -> tuple[float, float, float, float, float, floa
 def twist_stamped_from_cdr(data: bytes) -> tuple[float, float, float, float, float, float]:
     """Return the same as `twist_from_cdr` of a geometry_msgs/TwistStamped, which ends with a Twist.
 
-    Raises
-    ------
-    ValueError
-        The bytes are too few or not plain CDR.
+    Raises ValueError: the bytes are too few or not plain CDR.
     """
     if len(data) < _TWIST_STAMPED_LEAST:
         raise ValueError(f"not a TwistStamped: {len(data)} bytes are too few")
@@ -299,10 +290,7 @@ def scan_from_cdr(data: bytes) -> tuple[int, tuple[float, ...], NDArray[np.float
 def odometry_from_cdr(data: bytes) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return pose (x, y, z and a quaternion) and twist (as `twist_from_cdr`) of an Odometry.
 
-    Raises
-    ------
-    ValueError
-        The bytes are too few, or not plain CDR.
+    Raises ValueError: the bytes are too few, or not plain CDR.
     """
     _, at, order = _after_header(data, names=2)
     at += (4 - at) % 8  # alignment counts from the end of the 4-byte encapsulation header

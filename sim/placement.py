@@ -19,10 +19,7 @@ _TRIES = 1000  # at a free place for one clutter box
 def scenario_layout(scenario: Scenario, seed: int) -> Layout:
     """Return the layout of a scenario with this seed: where everything stands, nothing simulated.
 
-    Raises
-    ------
-    InputError
-        The robot's start is not free, or the clutter does not fit.
+    Raises InputError: the robot's start is not free, or the clutter does not fit.
     """
     spec = scenario.robot
     jitter = sensor_rng(seed, "start").uniform(-1, 1, 3) * yaw_in_radians(spec.start_jitter)
@@ -56,6 +53,8 @@ def build_layout(
 ) -> Layout:
     """Return a world with its clutter placed, mirrored (y → -y), and rotated about the origin.
 
+    Raises InputError: the clutter does not fit into its area.
+
     Parameters
     ----------
     start
@@ -64,11 +63,6 @@ def build_layout(
         The robot's radius [m]; clutter stays `START_ROOM` away from its edge.
     rng
         Draws the clutter.
-
-    Raises
-    ------
-    InputError
-        The clutter does not fit into its area.
     """
     rng = np.random.default_rng(0) if rng is None else rng
     solids = [_box(b.center, b.size, math.radians(b.yaw_deg)) for b in world.boxes]

@@ -49,10 +49,7 @@ _MAY_BE_INFINITE = (
 def scenario_names() -> dict[str, Path]:
     """Return all scenarios that come with the course: name → file, sorted by name.
 
-    Raises
-    ------
-    InputError
-        Two have the same name, or a file's matrix is none.
+    Raises InputError: two have the same name, or a file's matrix is none.
     """
     names: dict[str, Path] = {}
     found = (path for folder, pattern in SCENARIOS for path in folder.glob(pattern))
@@ -72,10 +69,7 @@ def names_of(stem: str, doc: Mapping[str, Any]) -> list[str]:
 def load_scenario(name_or_path: str | Path) -> Scenario:
     """Return a scenario by its name (`demo_wall`) or from a file (`mine/wall.toml`).
 
-    Raises
-    ------
-    InputError
-        There is no such scenario, or its file is wrong.
+    Raises InputError: there is no such scenario, or its file is wrong.
     """
     path = _find(name_or_path)
     name = str(name_or_path)
@@ -88,10 +82,7 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
 def scenario_from_toml(text: str, where: str) -> Scenario:
     """Return the scenario in a TOML text; `where` names the text in errors.
 
-    Raises
-    ------
-    InputError
-        The text is not a scenario, or what it extends is none.
+    Raises InputError: the text is not a scenario, or what it extends is none.
     """
     doc = _parse(text, where)
     return _scenario(_extended(doc, where) if EXTENDS in doc else doc, where)
@@ -105,10 +96,7 @@ def scenario_to_json(scenario: Scenario) -> str:
 def scenario_from_json(text: str) -> Scenario:
     """Return the scenario that `scenario_to_json` wrote.
 
-    Raises
-    ------
-    InputError
-        The text is not such JSON.
+    Raises InputError: the text is not such JSON.
     """
     try:
         doc = json.loads(text)

@@ -92,17 +92,14 @@ class Truth:
 class Simulation:
     """One run of a scenario.
 
+    Raises InputError: the robot's start is not free, or the clutter does not fit.
+
     Parameters
     ----------
     scenario
         What happens.
     seed
         Takes the place of the scenario's own: the only door for randomness.
-
-    Raises
-    ------
-    InputError
-        The robot's start is not free, or the clutter does not fit.
     """
 
     scenario: Scenario  # with the bench as this seed has it
@@ -148,6 +145,8 @@ class Simulation:
     ) -> list[Message]:
         """Advance to `until` [ns] and return the messages that arrive after `now` and by then.
 
+        Raises ValueError: `until` is before `now`.
+
         Parameters
         ----------
         until
@@ -155,11 +154,6 @@ class Simulation:
         commands
             Time [ns], linear.x [m/s] and angular.z [rad/s] of each, as sent; one that arrives
             before `now` takes effect in the next step, one after `until` when its time has come.
-
-        Raises
-        ------
-        ValueError
-            `until` is before `now`.
         """
         if until < self.now:
             raise ValueError(f"cannot advance to {until} ns: it is already {self.now} ns")

@@ -45,10 +45,7 @@ _MAX_SHOWN = 60  # characters of a value in an error
 def read_toml(path: Path) -> str:
     """Return the text of a TOML file.
 
-    Raises
-    ------
-    InputError
-        The file is missing, is a folder, is not UTF-8, or has over 4 MB.
+    Raises InputError: the file is missing, is a folder, is not UTF-8, or has over 4 MB.
     """
     try:
         data = path.read_bytes()
@@ -66,10 +63,7 @@ def read_toml(path: Path) -> str:
 def parse_toml(text: str, where: str) -> dict[str, Any]:
     """Return the table in a TOML text; `where` names it in errors.
 
-    Raises
-    ------
-    InputError
-        The text is not TOML.
+    Raises InputError: the text is not TOML.
     """
     try:
         return _tables(text)
@@ -100,6 +94,8 @@ def convert(
 ) -> T:
     """Return `doc` as a `type_`.
 
+    Raises InputError: `doc` does not fit the type.
+
     Parameters
     ----------
     doc
@@ -108,11 +104,6 @@ def convert(
         The file and, for a part of it, the keys that lead there; only for errors.
     may_be_infinite
         Keys like `script.goal` under which nan and inf are allowed.
-
-    Raises
-    ------
-    InputError
-        `doc` does not fit the type.
     """
     try:
         value = msgspec.convert(doc, type_)

@@ -150,10 +150,7 @@ def world_names() -> dict[str, Path]:
 def load_world(name: str) -> World:
     """Return the world of that name.
 
-    Raises
-    ------
-    InputError
-        There is no such world, or its file is wrong.
+    Raises InputError: there is no such world, or its file is wrong.
     """
     names = world_names()
     if name not in names:

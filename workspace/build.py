@@ -123,10 +123,7 @@ def main(arguments: list[str]) -> int:
 def check_weight(folder: Path) -> int:
     """Return what a first visit fetches from a server that compresses nothing [bytes].
 
-    Raises
-    ------
-    GraderError
-        It is more than a page may ask for.
+    Raises GraderError: it is more than a page may ask for.
     """
     weight = sum(file.stat().st_size for file in _files(folder))
     if weight > MOST:
@@ -157,10 +154,7 @@ def released(names: Iterable[str], cache: Path, modules: Path) -> dict[str, Any]
     Their files lie in `cache / "pyodide"` then: laid there, out of Pyodide's release, or taken out
     of the package that carries them.
 
-    Raises
-    ------
-    GraderError
-        One is not the one that Pyodide was released with.
+    Raises GraderError: one is not the one that Pyodide was released with.
     """
     lock = json.loads((modules / "pyodide" / "pyodide-lock.json").read_text("utf-8"))
     packages = lock["packages"]
@@ -358,10 +352,7 @@ def _manifest(out: Path) -> dict[str, Any]:
 def run(command: list[str], folder: Path, **variables: str) -> str:
     """Run a program; return what it prints.
 
-    Raises
-    ------
-    GraderError
-        There is none of that name, or it failed; its last words are in the message.
+    Raises GraderError: there is none of that name, or it failed; its last words are in the message.
     """
     try:
         done = subprocess.run(

@@ -57,10 +57,7 @@ def plan(exercise: Exercise) -> dict[str, Any]:
     Its checks are in the order of the tasks; its scenarios in that of the grader's trials, on which
     a cause can depend that says what came first.
 
-    Raises
-    ------
-    GraderError
-        Its checks can't be read.
+    Raises GraderError: its checks can't be read.
     """
     marks, file = _Marks(), exercise.files[0]
     settings = (f"--rootdir={exercise.judge}", f"--config-file={os.devnull}")

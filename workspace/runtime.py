@@ -304,10 +304,7 @@ def _callback_line(frame: FrameType | None, files: Collection[str]) -> tuple[str
 def _words(arguments: str) -> list[str]:
     """Return the words of a command line.
 
-    Raises
-    ------
-    ValueError
-        A quotation does not end, or an option has no sense in a page.
+    Raises ValueError: a quotation does not end, or an option has no sense in a page.
     """
     words = shlex.split(arguments)
     for word in words:

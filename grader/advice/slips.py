@@ -70,10 +70,7 @@ Found = Iterator[tuple[int, str]]
 def slips(source: bytes) -> list[str]:
     """Return a sentence for each slip of a program, with its line, in order; at most `MAX_SLIPS`.
 
-    Raises
-    ------
-    SyntaxError, ValueError
-        Python does not accept it.
+    Raises SyntaxError, ValueError: Python does not accept it.
     """
     tree = ast.parse(source)
     looks = (
@@ -96,10 +93,7 @@ def slips(source: bytes) -> list[str]:
 def unused_imports(source: bytes) -> list[str]:
     """Return the names that a program imports at its top and then never writes again (F401).
 
-    Raises
-    ------
-    SyntaxError, ValueError
-        Python does not accept it.
+    Raises SyntaxError, ValueError: Python does not accept it.
     """
     tree = ast.parse(source)
     found: dict[str, None] = {}

@@ -40,10 +40,7 @@ def what_lacks(wheel: Path | None, source: str, root: Path = ROOT) -> str:
 def carried(files: Mapping[str, bytes], wheel: Path | None, source: str) -> dict[str, bytes]:
     """Return a release's files with the wheel beside its notebooks, which know the address, too.
 
-    Raises
-    ------
-    InputError
-        `source` is no address.
+    Raises InputError: `source` is no address.
     """
     found = {
         path: with_address(data, source) if source and path.endswith(".ipynb") else data

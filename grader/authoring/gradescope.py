@@ -107,6 +107,9 @@ def write_autograder(
 ) -> Path:
     """Write Gradescope's autograder into `folder`; return the zip.
 
+    Raises InputError: `folder` is not empty, or the secret can't be read.
+    Raises GraderError: a piece of a solution would have been in it.
+
     Parameters
     ----------
     folder
@@ -117,13 +120,6 @@ def write_autograder(
         As for `course autograde`.
     secret
         File with the course's secret: each student gets different worlds.
-
-    Raises
-    ------
-    InputError
-        `folder` is not empty, or the secret can't be read.
-    GraderError
-        A piece of a solution would have been in it.
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(f"{folder}: expected a new or empty folder; choose another")

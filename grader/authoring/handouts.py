@@ -28,6 +28,9 @@ NEEDED = {  # module: the extra that brings it
 def handouts(left_out: Collection[str] = (), *, answers: bool = True) -> dict[str, bytes]:
     """Return the site's and the notebooks' files by their paths in a release.
 
+    Raises InputError: Sphinx or nbgrader is not installed.
+    Raises GraderError: one of them failed.
+
     Parameters
     ----------
     left_out
@@ -35,13 +38,6 @@ def handouts(left_out: Collection[str] = (), *, answers: bool = True) -> dict[st
         is one lesson and has the tasks of all, but no skeletons of these.
     answers
         The site has model answers to its open questions.
-
-    Raises
-    ------
-    InputError
-        Sphinx or nbgrader is not installed.
-    GraderError
-        One of them failed.
     """
     require_tools()
     with tempfile.TemporaryDirectory(prefix="course-handouts-") as name:
@@ -52,10 +48,7 @@ def handouts(left_out: Collection[str] = (), *, answers: bool = True) -> dict[st
 def require_tools() -> None:
     """Make sure that the tools for the site and the notebooks are installed.
 
-    Raises
-    ------
-    InputError
-        Some are not; the message says which, and what to do.
+    Raises InputError: some are not; the message says which, and what to do.
     """
     missing = [module for module in NEEDED if importlib.util.find_spec(module) is None]
     if missing:

@@ -48,10 +48,7 @@ def watched() -> dict[str, str]:
 def write(out: Path, forkserver: ForkServer) -> None:
     """Drive every listing that is watched, and write its replay.
 
-    Raises
-    ------
-    InputError
-        No page has such a listing.
+    Raises InputError: no page has such a listing.
     """
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as name:

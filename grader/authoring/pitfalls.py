@@ -167,10 +167,7 @@ def made(
 def grade_mutant(mutant: str, forkserver: ForkServer, *, only: Iterable[str] = ()) -> Grading:
     """Grade a wrong solution, `exercise/name`, by some checks or by all, as if it were handed in.
 
-    Raises
-    ------
-    GraderError
-        The grader or the machine failed.
+    Raises GraderError: the grader or the machine failed.
     """
     slug, _, name = mutant.partition("/")
     exercise = find_exercise(slug)
@@ -184,10 +181,7 @@ def grade_mutant(mutant: str, forkserver: ForkServer, *, only: Iterable[str] = (
 def grade(slug: str, path: Path, forkserver: ForkServer, *, only: Iterable[str] = ()) -> Grading:
     """Grade a node, by some checks or by all of the core.
 
-    Raises
-    ------
-    GraderError
-        The grader or the machine failed.
+    Raises GraderError: the grader or the machine failed.
     """
     only = tuple(only)
     grading = grade_submission(

@@ -156,6 +156,9 @@ def release(
 ) -> list[Leak]:
     """Write the students' material into `folder`; return the skeletons that hold earlier answers.
 
+    Raises InputError: `folder` (or the archive) exists already; or `make` raised it.
+    Raises GraderError: a piece of a solution would have been released.
+
     Parameters
     ----------
     folder
@@ -170,13 +173,6 @@ def release(
         as Markdown.
     more
         Other files by their paths.
-
-    Raises
-    ------
-    InputError
-        `folder` (or the archive) exists already; or `make` raised it.
-    GraderError
-        A piece of a solution would have been released.
     """
     packed = folder.with_name(folder.name + ".zip")
     _check_free(folder, packed if archive else None)

@@ -31,10 +31,7 @@ WIDTH = 100  # [columns] of the sentence below the table
 def readmes() -> Iterator[tuple[Path, str]]:
     """Yield (path, text) of every README.
 
-    Raises
-    ------
-    InputError
-        One has no place for the table.
+    Raises InputError: one has no place for the table.
     """
     for exercise in all_exercises():
         path = exercise.folder / "README.md"

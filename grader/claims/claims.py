@@ -52,12 +52,8 @@ class Claim:
 def claims(exercise: Exercise) -> Iterator[Claim]:
     """Return all solutions of an exercise with their claims.
 
-    Raises
-    ------
-    InputError
-        The catalogue of mutants is broken.
-    GraderError
-        A variant stands for a file that the exercise does not have.
+    Raises InputError: the catalogue of mutants is broken.
+    Raises GraderError: a variant stands for a file that the exercise does not have.
     """
     stem = Path(exercise.files[0]).stem
     reference = _texts(exercise, exercise.solutions)

@@ -29,6 +29,8 @@ class _Hunk:
 def edited(lines: list[str], edit: str, name: str) -> list[str]:
     """Return a text's lines, edited.
 
+    Raises EditError: a hunk does not fit in exactly one place, changes nothing, or is no hunk.
+
     Parameters
     ----------
     lines
@@ -37,11 +39,6 @@ def edited(lines: list[str], edit: str, name: str) -> list[str]:
         The hunks, in any order.
     name
         The text's, for errors.
-
-    Raises
-    ------
-    EditError
-        A hunk does not fit in exactly one place, changes nothing, or is no hunk.
     """
     placed = [(_place(hunk, lines, name), hunk) for hunk in _hunks(edit)]
     result: list[str] = []

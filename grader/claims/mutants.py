@@ -83,17 +83,14 @@ class _Base:
 def mutants(exercise: Exercise, folder: Path | None = None) -> list[Mutant]:
     """Return the mutants of an exercise in the order of its catalogue; none without one.
 
+    Raises InputError: the catalogue is broken: the file, the mutant and what is wrong with it.
+
     Parameters
     ----------
     exercise
         Whose mutants.
     folder
         Its solutions, where they are not the course's own.
-
-    Raises
-    ------
-    InputError
-        The catalogue is broken: the file, the mutant and what is wrong with it.
     """
     folder = folder or exercise.solutions
     path = folder / CATALOGUE
@@ -119,10 +116,7 @@ def mutants(exercise: Exercise, folder: Path | None = None) -> list[Mutant]:
 def find_mutant(exercise: Exercise, name: str) -> Mutant:
     """Return the mutant of that name.
 
-    Raises
-    ------
-    InputError
-        There is none, or the catalogue is broken.
+    Raises InputError: there is none, or the catalogue is broken.
     """
     found = {mutant.name: mutant for mutant in mutants(exercise)}
     if name not in found:
@@ -142,10 +136,7 @@ def stands_for(exercise: Exercise, path: Path) -> str:
 
     It has that file's name, or names it in its docstring (`file: client.py`); else it is the first.
 
-    Raises
-    ------
-    GraderError
-        The exercise has no such file.
+    Raises GraderError: the exercise has no such file.
     """
     if path.name in exercise.files:
         return path.name

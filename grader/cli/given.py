@@ -27,17 +27,14 @@ def as_files(path: Path, names: Sequence[str]) -> Iterator[Path]:
     Of a notebook it is what its `%%node` cells write, with what lies beside it; of an archive the
     folder in it; of "agent (1).py", where agent.py is wanted, a file of that name.
 
+    Raises InputError: it can't be read, or there is no node in it.
+
     Parameters
     ----------
     path
         What was given.
     names
         The files that are wanted, the node's first. Of those that are there the first is yielded.
-
-    Raises
-    ------
-    InputError
-        It can't be read, or there is no node in it.
     """
     with contextlib.ExitStack() as stack:
         given = path
@@ -59,10 +56,7 @@ def as_files(path: Path, names: Sequence[str]) -> Iterator[Path]:
 def one_of(number: Sequence[str], exercise: str | None) -> str | None:
     """Return the exercise that was named, if one was: before the file, or by its option.
 
-    Raises
-    ------
-    InputError
-        More than one was.
+    Raises InputError: more than one was.
     """
     named = [*number, *([] if exercise is None else [exercise])]
     if len(named) > 1:

@@ -19,12 +19,8 @@ JSON_STDOUT = "-"
 def check_writable(report: Path | None, json_: str | None = None) -> None:
     """Refuse, before the work begins, a file that can't be written after it.
 
-    Raises
-    ------
-    InputError
-        Its folder does not exist, or it is a folder itself.
-    OSError
-        It can't be created.
+    Raises InputError: its folder does not exist, or it is a folder itself.
+    Raises OSError: it can't be created.
     """
     for target in (report, Path(json_) if json_ and json_ != JSON_STDOUT else None):
         if target is not None and not target.resolve().parent.is_dir():

@@ -26,12 +26,8 @@ def read(
 ) -> tuple[list[Started], list[str]]:
     """Return what a launch file starts of its package and others, and what is left out.
 
-    Raises
-    ------
-    Unknown
-        It has something that is not known here.
-    Mistaken
-        It is wrong.
+    Raises Unknown: it has something that is not known here.
+    Raises Mistaken: it is wrong.
     """
     here = Path.cwd()
     paths = (str(here), os.environ.get("AMENT_PREFIX_PATH", ""))

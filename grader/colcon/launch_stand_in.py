@@ -88,12 +88,8 @@ class Context:
 def include(file: str, context: Context) -> None:
     """Carry out a launch file.
 
-    Raises
-    ------
-    Unknown
-        It has something that is not known here.
-    Mistaken
-        It has something that is wrong.
+    Raises Unknown: it has something that is not known here.
+    Raises Mistaken: it has something that is wrong.
     """
     if context.depth == MAX_DEPTH:
         raise Mistaken(f"{file}: launch files that include one another without end")

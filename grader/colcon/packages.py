@@ -204,10 +204,7 @@ class _Built:
     def _add(self, place: str, source: str) -> None:
         """Note what is installed.
 
-        Raises
-        ------
-        Unbuildable
-            There is no such file, or it would lie elsewhere.
+        Raises Unbuildable: there is no such file, or it would lie elsewhere.
         """
         path = Path(self._here, source).resolve()
         if not path.is_file() or not path.is_relative_to(self._here):

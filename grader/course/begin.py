@@ -34,10 +34,7 @@ def test_it_publishes(drive):
 def begin(exercise: Exercise, parent: Path) -> Path:
     """Make the folder of an exercise in `parent`; return it.
 
-    Raises
-    ------
-    InputError
-        It is there already, or it can't be written.
+    Raises InputError: it is there already, or it can't be written.
     """
     target = parent / exercise.slug
     try:

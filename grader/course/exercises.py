@@ -91,10 +91,7 @@ class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 def all_exercises() -> list[Exercise]:
     """Return the exercises in the order of the lesson.
 
-    Raises
-    ------
-    GraderError
-        The folder of exercises is missing or an `exercise.toml` is broken.
+    Raises GraderError: the folder of exercises is missing or an `exercise.toml` is broken.
     """
     files = sorted(EXERCISES.glob("*/exercise.toml"))
     if not files:
@@ -112,10 +109,7 @@ def all_exercises() -> list[Exercise]:
 def find_exercise(name: str) -> Exercise:
     """Return the exercise of that name or number.
 
-    Raises
-    ------
-    InputError
-        There is none; the message names the nearest.
+    Raises InputError: there is none; the message names the nearest.
     """
     exercises = all_exercises()
     for exercise in exercises:
@@ -133,10 +127,7 @@ def find_exercise(name: str) -> Exercise:
 def exercise_for(name: str | None, file: str) -> Exercise:
     """Return the exercise of that name or number; without one, that of the file's name.
 
-    Raises
-    ------
-    InputError
-        There is none of that name, or the file's name is no exercise's.
+    Raises InputError: there is none of that name, or the file's name is no exercise's.
     """
     if name is not None:
         return find_exercise(name)

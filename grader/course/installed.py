@@ -23,10 +23,7 @@ OPTIONAL = {  # module: its usual name, and its distribution
 def why_not(modules: Iterable[str]) -> str:
     """Name the missing libraries and how to install them; empty if none is missing.
 
-    Raises
-    ------
-    GraderError
-        A check requires a library that is not one of the optional ones.
+    Raises GraderError: a check requires a library that is not one of the optional ones.
     """
     missing = [module for module in modules if not _is_installed(module)]
     if not missing:

@@ -18,10 +18,7 @@ COMMENT = re.compile(r"\s*<!-- checks:(?P<names>.*?)-->", re.DOTALL)
 def promised(readme: Path, known: Collection[str]) -> frozenset[str]:
     """Return the checks that the comments of a README name.
 
-    Raises
-    ------
-    InputError
-        A name is not one of the known checks.
+    Raises InputError: a name is not one of the known checks.
     """
     text = readme.read_text("utf-8")
     found = set()

@@ -32,18 +32,15 @@ _COMMENT = re.compile(r"^(\s*)# ?(.*)$")
 def strip_solution(source: str, where: str = "solution") -> str:
     """Return the skeleton of a solution's source text.
 
+    Raises InputError: a marker is unpaired, misspelt or nested; a line below ``### SKELETON`` is
+    not a comment; or there is no block.
+
     Parameters
     ----------
     source
         Python source with ``### BEGIN SOLUTION`` … ``### END SOLUTION`` blocks.
     where
         Name of the file, for error messages.
-
-    Raises
-    ------
-    InputError
-        A marker is unpaired, misspelt or nested; a line below ``### SKELETON`` is not a comment; or
-        there is no block.
     """
     kept: list[str] = []
     begin = 0  # line number where the open block begins; 0: outside of blocks

@@ -46,10 +46,7 @@ def host_seed(seed: int) -> int:
 def read_secret(path: Path) -> bytes:
     """Return the course's secret from its file.
 
-    Raises
-    ------
-    InputError
-        The file can't be read, or is too short for a secret.
+    Raises InputError: the file can't be read, or is too short for a secret.
     """
     try:
         secret = path.read_bytes().strip()

@@ -164,10 +164,7 @@ def find_submission(
     If an exercise has several files (`expected` and `others`), `path` may be any of them. `path`
     itself may be a link; what is found in a folder or beside it may not.
 
-    Raises
-    ------
-    InputError
-        There is no such file, or one is a link.
+    Raises InputError: there is no such file, or one is a link.
     """
     if (place := _packages_of(path, expected)) is not None:
         return _in_packages(*place, path, expected, others)
@@ -200,10 +197,7 @@ def find_submission(
 def file_beside(path: Path, name: str) -> Path | None:
     """Return the file called `name` beside `path`; None if there is none.
 
-    Raises
-    ------
-    InputError
-        It is a link.
+    Raises InputError: it is a link.
     """
     file = path.parent.resolve() / name
     if file.is_symlink():
@@ -217,10 +211,7 @@ def file_beside(path: Path, name: str) -> Path | None:
 def read_regular_file(path: Path, limit: int = MAX_SIZE) -> bytes:
     """Return the first `limit` + 1 bytes of a submitted file; no link is followed.
 
-    Raises
-    ------
-    OSError
-        It can't be read, or is not a regular file.
+    Raises OSError: it can't be read, or is not a regular file.
     """
     with open_regular_file(path) as file:
         return file.read(limit + 1)

@@ -37,10 +37,7 @@ class Mishap:
 def mishap_of(recording: Recording, contract: Contract) -> Mishap | None:
     """Return the first mishap of a drive, if any.
 
-    Raises
-    ------
-    InputError
-        The node can't be driven in virtual time.
+    Raises InputError: the node can't be driven in virtual time.
     """
     outcome = recording.outcome
     if outcome.kind in UNFIT:

@@ -44,6 +44,8 @@ def scenario_for(
 ) -> Scenario:
     """Return a scenario, changed as asked.
 
+    Raises InputError: there is no such scenario or profile.
+
     Parameters
     ----------
     lidar
@@ -53,11 +55,6 @@ def scenario_for(
     goals
         Goals [m] to send instead of the scenario's own: the first at 0.5 s, the others spread over
         the drive.
-
-    Raises
-    ------
-    InputError
-        There is no such scenario or profile.
     """
     scenario = load_scenario(name)
     changes: dict[str, object] = {"transforms": Transforms(enabled=True)}  # for nodes with tf2
@@ -85,6 +82,8 @@ def arguments_of(
 ) -> list[str]:
     """Return the command line that sets ROS parameters and remaps names.
 
+    Raises InputError: one is not of that form.
+
     Parameters
     ----------
     params
@@ -93,11 +92,6 @@ def arguments_of(
         Each FROM:=TO.
     params_files
         YAML files; they must lie in the node's folder under their names (see `drive_node`).
-
-    Raises
-    ------
-    InputError
-        One is not of that form.
     """
     for param in params:
         if not PARAMETER.fullmatch(param):
@@ -114,10 +108,8 @@ def arguments_of(
 def read_params_files(paths: Sequence[Path], taken: Sequence[str]) -> dict[str, bytes]:
     """Return the parameter files to put beside the node: name and content.
 
-    Raises
-    ------
-    InputError
-        One can't be read, or two files would have the same name there; `taken` are the node's.
+    Raises InputError: one can't be read, or two files would have the same name there; `taken` are
+    the node's.
     """
     found: dict[str, bytes] = {}
     for path in paths:
@@ -130,10 +122,7 @@ def read_params_files(paths: Sequence[Path], taken: Sequence[str]) -> dict[str, 
 def read_stdin(source: str | None) -> bytes:
     """Return the text for the node's stdin: a file's content; "-": this process's stdin.
 
-    Raises
-    ------
-    InputError
-        The file can't be read, or it is too long.
+    Raises InputError: the file can't be read, or it is too long.
     """
     if source is None:
         return b""
@@ -146,10 +135,7 @@ def read_stdin(source: str | None) -> bytes:
 def read_keys(text: str) -> bytes:
     """Return the keys of a text, in which Enter and arrows are written as in Python.
 
-    Raises
-    ------
-    InputError
-        There are too many, or none on this system.
+    Raises InputError: there are too many, or none on this system.
     """
     if sys.platform == "win32" and text:
         raise InputError("--keys: Windows has no terminals of this kind; --stdin FILE works there")
@@ -162,10 +148,7 @@ def read_keys(text: str) -> bytes:
 def read_env(settings: Sequence[str]) -> tuple[tuple[str, str], ...]:
     """Return names and values of environment variables.
 
-    Raises
-    ------
-    InputError
-        One is not NAME=VALUE.
+    Raises InputError: one is not NAME=VALUE.
     """
     for setting in settings:
         if not VARIABLE.fullmatch(setting):

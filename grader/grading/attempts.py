@@ -39,10 +39,7 @@ class _History(msgspec.Struct):
 def history() -> Path:
     """Return where attempts are remembered: the XDG state folder, or the system's own place.
 
-    Raises
-    ------
-    OSError
-        This user has no home.
+    Raises OSError: this user has no home.
     """
     try:
         if sys.platform != "linux":
@@ -123,10 +120,7 @@ def _read(path: Path) -> dict[str, Passed]:
 def _write(path: Path, attempts: dict[str, Passed]) -> None:
     """Replace the file, whatever it is; another grading at the same time costs one of the two.
 
-    Raises
-    ------
-    OSError
-        It can't be written.
+    Raises OSError: it can't be written.
     """
     content = msgspec.json.encode(_History(attempts))
     if len(content) <= MAX_BYTES:
@@ -136,10 +130,7 @@ def _write(path: Path, attempts: dict[str, Passed]) -> None:
 def replace(path: Path, content: bytes) -> None:
     """Write a small file, replacing any; make its folder.
 
-    Raises
-    ------
-    OSError
-        It can't be written.
+    Raises OSError: it can't be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     fd, name = tempfile.mkstemp(prefix=path.name, dir=path.parent)

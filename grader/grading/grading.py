@@ -173,14 +173,9 @@ def grade(
 ) -> Grading:
     """Run the checks of `exercise` on the recordings of `trials`.
 
-    Raises
-    ------
-    InputError
-        `only` names a check that doesn't exist.
-    GraderError
-        The checks can't be run.
-    DiskFull
-        No space was left for a trial.
+    Raises InputError: `only` names a check that doesn't exist.
+    Raises GraderError: the checks can't be run.
+    Raises DiskFull: no space was left for a trial.
     """
     import pytest  # noqa: PLC0415  (0.1 s)
 
@@ -261,12 +256,8 @@ def grade_submission(
 
     `kept` has the recordings of earlier runs.
 
-    Raises
-    ------
-    InputError
-        `only` names a check that doesn't exist.
-    GraderError
-        The grader or the machine failed; it says nothing about the submission.
+    Raises InputError: `only` names a check that doesn't exist.
+    Raises GraderError: the grader or the machine failed; it says nothing about the submission.
     """
     only = tuple(only)
     submission = unpacked(submission, launcher)

@@ -30,10 +30,7 @@ atexit.register(_forkservers.close)
 def launcher_here() -> ForkServer | PracticeServer:
     """Return what starts nodes on this machine.
 
-    Raises
-    ------
-    GraderError
-        No node can run here at all.
+    Raises GraderError: no node can run here at all.
     """
     with _one_at_a_time:
         try:
@@ -45,10 +42,7 @@ def launcher_here() -> ForkServer | PracticeServer:
 def isolation_problem() -> str:
     """Say why other people's code should not run on this machine; "" if it may.
 
-    Raises
-    ------
-    GraderError
-        No node can run here at all.
+    Raises GraderError: no node can run here at all.
     """
     return launcher_here().foreign_code
 
@@ -65,6 +59,8 @@ def grade_files(
 ) -> dict[str, Any]:
     """Grade one submission; return the JSON object of `course grade`.
 
+    Raises GraderError: the submission could not be judged; the message is one line.
+
     Parameters
     ----------
     files
@@ -74,11 +70,6 @@ def grade_files(
         Where every trial is saved.
     trust
         Run the code even where isolation is too weak.
-
-    Raises
-    ------
-    GraderError
-        The submission could not be judged; the message is one line.
     """
     with _one_at_a_time:
         try:

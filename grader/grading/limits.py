@@ -18,10 +18,7 @@ def cpu_limit(seconds: float) -> Iterator[None]:
 
     Only the main thread of a POSIX system can be interrupted; elsewhere there is no limit.
 
-    Raises
-    ------
-    Inconclusive
-        The block took longer; a person has to look at it.
+    Raises Inconclusive: the block took longer; a person has to look at it.
     """
     if (
         not (hasattr(signal, "setitimer") and hasattr(signal, "SIGVTALRM"))

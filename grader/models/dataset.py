@@ -56,19 +56,15 @@ def make_dataset(
 ) -> Dataset:
     """Return `rows` labelled scans; the same seeds give the same data.
 
+    Raises InputError: a student's copy has no labels for these scans.
+    Raises GraderError: the scans are not those that the labels were written for.
+
     Parameters
     ----------
     blind, plain
         See `grader.models.scans.make_scans`.
     expert
         The seed of an expert of one's own; None is the published one.
-
-    Raises
-    ------
-    InputError
-        A student's copy has no labels for these scans.
-    GraderError
-        The scans are not those that the labels were written for.
     """
     scans = make_scans(rows, seed, blind=blind, plain=plain)
     if its_expert is not None:

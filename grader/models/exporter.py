@@ -31,10 +31,7 @@ class Exporter:
     def content(self, suffix: str, probe: str, settings: Mapping[str, Any]) -> bytes:
         """Return the content of a model file.
 
-        Raises
-        ------
-        GraderError
-            A library is missing, or there is no such model in this format.
+        Raises GraderError: a library is missing, or there is no such model in this format.
         """
         request = json.dumps({"suffix": suffix, "probe": probe, "settings": dict(settings)})
         with self._lock:

@@ -51,10 +51,7 @@ def write_models(models: Mapping[str, Model], folder: Path) -> None:
 
     Its format is that of the suffix, or of the suffix in its setting `format`.
 
-    Raises
-    ------
-    GraderError
-        A scenario names an unknown probe, or gives it wrong settings.
+    Raises GraderError: a scenario names an unknown probe, or gives it wrong settings.
     """
     for name, model in models.items():
         if model.probe == OWN:  # comes from the student's training script, if it made one
@@ -124,10 +121,7 @@ def model_bytes(model: Model, suffix: str = PICKLE) -> bytes:
 def probe(model: Model) -> Any:
     """Return the probe model itself, from which checks get its answer to a scan.
 
-    Raises
-    ------
-    GraderError
-        There is no such probe, or its settings are wrong.
+    Raises GraderError: there is no such probe, or its settings are wrong.
     """
     try:
         return _PROBES[model.probe](**model.settings)

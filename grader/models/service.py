@@ -82,12 +82,8 @@ class ModelService:
     def ask(self, asked: Asked, now: int, who: Any = None) -> None:
         """Accept a question at a time [ns]; its answer is due later.
 
-        Raises
-        ------
-        TooManyQuestions
-            There were more than MAX_ASKED, or more than MOST_ROWS of features.
-        HostForged
-            It is no question.
+        Raises TooManyQuestions: there were more than MAX_ASKED, or more than MOST_ROWS of features.
+        Raises HostForged: it is no question.
         """
         question = _question(asked)
         if question.method in (TURN, UNTIL) and self.began is None:

@@ -94,10 +94,7 @@ def wanted(source: str) -> Wanted | None:
 
     None if it is not such a cell.
 
-    Raises
-    ------
-    InputError
-        There is no such exercise.
+    Raises InputError: there is no such exercise.
     """
     try:
         body = ast.parse(source).body
@@ -126,10 +123,7 @@ def modules(cells: Iterable[tuple[str, str]]) -> list[str]:
 def unknown_checks(asked: Wanted, known: Iterable[str]) -> None:
     """Make sure that the exercise has these checks.
 
-    Raises
-    ------
-    InputError
-        It lacks one.
+    Raises InputError: it lacks one.
     """
     for check in asked.checks:
         if check not in known:

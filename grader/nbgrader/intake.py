@@ -39,10 +39,7 @@ class Cell:
 def read_cells(path: Path) -> list[Cell]:
     """Return the cells of a notebook, which another process parses.
 
-    Raises
-    ------
-    FileReader.Refused
-        It is not a notebook, is too large, or is not an ordinary file.
+    Raises FileReader.Refused: it is not a notebook, is too large, or is not an ordinary file.
     """
     try:
         return FileReader(answer=64 << 20).read(
@@ -55,10 +52,7 @@ def read_cells(path: Path) -> list[Cell]:
 def cells_in(file: IO[bytes], most: int = MAX_NOTEBOOK) -> list[Cell]:
     """Return the cells of a notebook of at most `most` bytes, in this process.
 
-    Raises
-    ------
-    FileReader.Refused
-        It is not a notebook, or is too large.
+    Raises FileReader.Refused: it is not a notebook, or is too large.
     """
     data = file.read(most + 1)
     if len(data) > most:

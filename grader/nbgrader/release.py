@@ -28,10 +28,8 @@ class LeaveSkeletons(NbGraderPreprocessor):  # type: ignore[misc]
     ) -> tuple[NotebookNode, Resources]:
         """Return the cell as students get it.
 
-        Raises
-        ------
-        InputError
-            A test cell asks for checks that don't exist, or the markers of a solution are wrong.
+        Raises InputError: a test cell asks for checks that don't exist, or the markers of a
+        solution are wrong.
         """
         about = cell.metadata.get("nbgrader", {})
         if about.get("solution"):

@@ -69,10 +69,7 @@ _ADDRESS = re.compile(r"(https?|git\+https)://[!#-&(-\[\]-~]{1,500}")  # no quot
 def with_address(notebook: bytes, address: str) -> bytes:
     """Return a notebook (its JSON) whose first cell gets the course from an address.
 
-    Raises
-    ------
-    InputError
-        It is none.
+    Raises InputError: it is none.
     """
     if not _ADDRESS.fullmatch(address):
         raise InputError(

@@ -71,11 +71,8 @@ def main(arguments: list[str]) -> int:
 def files(folder: Path) -> Iterator[tuple[Path, str]]:
     """Yield path and content of each notebook below nbgrader's folder of sources.
 
-    Raises
-    ------
-    GraderError
-        A text has something else where it is filled in, or does not ask for each check of its
-        exercises exactly once.
+    Raises GraderError: a text has something else where it is filled in, or does not ask for each
+    check of its exercises exactly once.
     """
     names = all_notebooks()
     if not names:

@@ -24,10 +24,7 @@ class CellProblem(Exception):
 def file_name(words: str) -> str:
     """Return the file that the words after `%%node` name.
 
-    Raises
-    ------
-    CellProblem
-        They are not the plain name of a Python file.
+    Raises CellProblem: they are not the plain name of a Python file.
     """
     name = words.strip().strip(QUOTES)
     if NAME.fullmatch(name):
@@ -52,10 +49,7 @@ def ended(source: str) -> str:
 def check_syntax(cell: Definition) -> None:
     """Make sure that Python can parse a file.
 
-    Raises
-    ------
-    CellProblem
-        It can't; the problem has the line.
+    Raises CellProblem: it can't; the problem has the line.
     """
     if not cell.text.strip():
         raise CellProblem("the cell is empty below its first line: there is nothing to save")

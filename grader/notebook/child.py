@@ -61,10 +61,7 @@ class Judge:
 
         An interrupt (the kernel's stop button) ends the judge and the nodes with it.
 
-        Raises
-        ------
-        GraderError
-            The judge died.
+        Raises GraderError: the judge died.
         """
         with self._lock:
             was_idle = self._process is not None

@@ -65,10 +65,7 @@ class NotebookDataset:
 def write_dataset(file: Path, *, scans: int, seed: int) -> NotebookDataset:
     """See `grader.notebook.dataset`.
 
-    Raises
-    ------
-    InputError
-        A number is out of range, or the file has another suffix.
+    Raises InputError: a number is out of range, or the file has another suffix.
     """
     if file.suffix != ".npz":
         raise InputError(f"{file}: expected a name that ends in .npz, such as train.npz")

@@ -31,10 +31,7 @@ class SpinGuard:
     def visit(self, tree: ast.Module) -> ast.Module:
         """Return the cell's tree.
 
-        Raises
-        ------
-        InputRejected
-            Running it would spin.
+        Raises InputRejected: running it would spin.
         """
         defined = {node.name for node in tree.body if isinstance(node, LATER[:2])}
         self._spinning = (self._spinning - defined) | _spinning(tree, self._spinning - defined)

@@ -28,10 +28,7 @@ class Refused(InputError):
 def kind_errors() -> Iterator[None]:
     """Turn wrong usage, and files that can't be read or written, into a sentence.
 
-    Raises
-    ------
-    Refused
-        The block raised `InputError` or `OSError`.
+    Raises Refused: the block raised `InputError` or `OSError`.
     """
     try:
         yield

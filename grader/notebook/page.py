@@ -123,12 +123,8 @@ class Worker:
 
         The files lie in `FOLDER`. Also return the recordings that it has made, by their files.
 
-        Raises
-        ------
-        GraderError
-            The worker failed.
-        InputError
-            A node lets no time pass.
+        Raises GraderError: the worker failed.
+        Raises InputError: a node lets no time pass.
         """
         from pyodide.ffi import run_sync  # noqa: PLC0415
 

@@ -112,10 +112,7 @@ def plot_left_right(
 def as_scan(value: Any, *, lidar: str | None = None, at: float = 0.0) -> tuple[Scan, str]:
     """Convert a value to a scan; return it with a title for its plot.
 
-    Raises
-    ------
-    InputError
-        The value has none of the forms that `show_scan` takes.
+    Raises InputError: the value has none of the forms that `show_scan` takes.
     """
     if isinstance(value, str | Path):
         return scan_of(str(value), lidar=lidar, at=at)
@@ -140,10 +137,7 @@ def as_scan(value: Any, *, lidar: str | None = None, at: float = 0.0) -> tuple[S
 def scan_of(scenario: str, *, lidar: str | None = None, at: float = 0.0) -> tuple[Scan, str]:
     """Return the first scan of a scenario at or after a time [s]; the robot stands still.
 
-    Raises
-    ------
-    InputError
-        There is no such scenario, or no such scan in it.
+    Raises InputError: there is no such scenario, or no such scan in it.
     """
     from grader.drive import scenario_for  # noqa: PLC0415
 

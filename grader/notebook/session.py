@@ -26,10 +26,7 @@ class Session:
     def file_for(self, exercise: Exercise, file: str | Path | None) -> Path:
         """Return the file to judge for an exercise.
 
-        Raises
-        ------
-        InputError
-            It is not there, or its last cell was not saved.
+        Raises InputError: it is not there, or its last cell was not saved.
         """
         if file is None:
             file = self.written.get(exercise.files[0], Path(exercise.files[0]))
@@ -39,10 +36,7 @@ class Session:
     def file_to_drive(self, file: str | Path | None) -> Path:
         """Return the node to drive: the given one, or that of the last cell's exercise.
 
-        Raises
-        ------
-        InputError
-            There is none, or its last cell was not saved.
+        Raises InputError: there is none, or its last cell was not saved.
         """
         if file is not None:
             return self.usable(Path(file), [Path(file).name])
@@ -55,10 +49,7 @@ class Session:
     def last_exercise(self) -> Exercise:
         """Return the exercise that the last cell's file belongs to.
 
-        Raises
-        ------
-        InputError
-            No cell has written a file, or it belongs to no exercise.
+        Raises InputError: no cell has written a file, or it belongs to no exercise.
         """
         last = self._last().name
         exercise = exercise_of(last)
@@ -72,11 +63,8 @@ class Session:
     def usable(self, path: Path, names: list[str]) -> Path:
         """Return a file's absolute path.
 
-        Raises
-        ------
-        InputError
-            It is not there, or the last cell of one of these names was not saved, or of a module
-            that it imports.
+        Raises InputError: it is not there, or the last cell of one of these names was not saved, or
+        of a module that it imports.
         """
         for name in [*names, *(f"{module}.py" for module in _imports_of(path))]:
             if name in self.refused:
@@ -95,10 +83,7 @@ class Session:
 
         After a kernel's restart, it is the newest node that is here.
 
-        Raises
-        ------
-        InputError
-            There is none.
+        Raises InputError: there is none.
         """
         if self.written:
             latest = list(reversed(self.written.values()))

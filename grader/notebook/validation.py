@@ -26,10 +26,7 @@ class NotPassed(Exception):
 def validated(report: CheckReport | None) -> CheckReport | None:
     """Return the report; under `nbgrader validate`, raise unless all checks passed.
 
-    Raises
-    ------
-    NotPassed
-        A check did not pass or could not be judged, under `nbgrader validate`.
+    Raises NotPassed: a check did not pass or could not be judged, under `nbgrader validate`.
     """
     if os.environ.get(VARIABLE) != "validate":
         return report

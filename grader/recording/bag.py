@@ -87,10 +87,7 @@ class _Document(msgspec.Struct, frozen=True):
 def save(recording: Recording, folder: Path) -> Path:
     """Write the recording as a new bag; return its folder.
 
-    Raises
-    ------
-    InputError
-        There is something else at `folder`.
+    Raises InputError: there is something else at `folder`.
     """
     from rosbags.rosbag2 import StoragePlugin, Writer  # noqa: PLC0415  (60 ms, only when needed)
 
@@ -111,10 +108,7 @@ def save(recording: Recording, folder: Path) -> Path:
 def load(path: Path) -> Recording:
     """Read a bag that `save` wrote: the folder, or the .mcap file in it.
 
-    Raises
-    ------
-    InputError
-        It isn't such a bag.
+    Raises InputError: it isn't such a bag.
     """
     folder = path.parent if path.suffix == ".mcap" else path
     if not (folder / METADATA).is_file():
@@ -351,10 +345,7 @@ def _log_line(message: Message) -> LogLine:
 def load_all(path: Path) -> list[Recording]:
     """Load one bag, or every bag in a folder.
 
-    Raises
-    ------
-    InputError
-        There is none, or one can't be read.
+    Raises InputError: there is none, or one can't be read.
     """
     if path.is_dir() and not (path / "metadata.yaml").exists():
         folders = sorted(file.parent for file in path.glob("*/metadata.yaml"))

@@ -115,10 +115,7 @@ class Run:
     def messages(self, topic: str) -> list[Received]:
         """Return the messages of a topic, from the robot or from the node, decoded.
 
-        Raises
-        ------
-        InputError
-            They are of a type that ROS's common interfaces do not have.
+        Raises InputError: they are of a type that ROS's common interfaces do not have.
         """
         try:
             return [

@@ -74,6 +74,8 @@ def run_live_trial(
 ) -> Recording:
     """Run a student's file in a scenario in wall-clock time and return what happened.
 
+    Raises GraderError: the grader or the machine failed; nothing can be said of the submission.
+
     Parameters
     ----------
     forkserver
@@ -85,11 +87,6 @@ def run_live_trial(
 
     The other parameters are those of `grader.trial.virtual_time.run_trial`. If the machine stalls,
     the trial is repeated; if it stalls again, the recording says so (`live.stall`).
-
-    Raises
-    ------
-    GraderError
-        The grader or the machine failed; nothing can be said of the submission.
     """
     shared = forkserver.live.shares_network
     for attempt in range(1 if lenient else ATTEMPTS):

@@ -78,12 +78,8 @@ class Recorder:
     def hear(self, heard: Iterable[Published], began: int, reached: int) -> list[Command]:
         """Note messages of the node, sent between two times [ns]; return its commands.
 
-        Raises
-        ------
-        HostForged
-            A message's time is impossible.
-        Flood
-            There are too many.
+        Raises HostForged: a message's time is impossible.
+        Raises Flood: there are too many.
         """
         commands = []
         for published in heard:

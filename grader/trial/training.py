@@ -76,10 +76,7 @@ def run_training(
 ) -> Trained:
     """Run the training script that belongs to a submission, and question its models.
 
-    Raises
-    ------
-    GraderError
-        The grader or the machine failed, or a library is missing.
+    Raises GraderError: the grader or the machine failed, or a library is missing.
     """
     simulation = Simulation(scenario, seed)
     spec = scenario.training

@@ -98,6 +98,8 @@ def run_trial(
 ) -> Recording:
     """Run a student's file in a scenario and return what happened.
 
+    Raises GraderError: the grader or the machine failed; nothing can be said of the submission.
+
     Parameters
     ----------
     seed
@@ -120,11 +122,6 @@ def run_trial(
         When all is recorded, send the programs SIGINT, and note what comes of it.
     lead
         How long before the scenario to start the programs [ns], if that has been found out.
-
-    Raises
-    ------
-    GraderError
-        The grader or the machine failed; nothing can be said of the submission.
     """
     problem = not_runnable(submission, scenario)
     if problem is not None:

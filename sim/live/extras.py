@@ -24,10 +24,7 @@ class Extras:
 def open_extras(options: Options, name: str, life: ExitStack) -> Extras:
     """Return what the options ask for; it is closed with `life`.
 
-    Raises
-    ------
-    InputError
-        The bag cannot be made, or the viewer cannot serve.
+    Raises InputError: the bag cannot be made, or the viewer cannot serve.
     """
     recorder = viewer = None
     if options.record is not None:

@@ -35,10 +35,7 @@ class Settings:
 def declare(node: Any, options: Options) -> Settings:
     """Declare the node's parameters with these defaults; return their values.
 
-    Raises
-    ------
-    InputError
-        A value is not allowed, or there is no such scenario or lidar.
+    Raises InputError: a value is not allowed, or there is no such scenario or lidar.
     """
     try:
         return _declare(node, options)

@@ -11,15 +11,12 @@ from sim.messages import typestore
 class Recorder:
     """Writes a new bag; it can be read once it is closed.
 
+    Raises InputError: `folder` exists, or cannot be made.
+
     Parameters
     ----------
     folder
         The bag's folder, which must not exist yet.
-
-    Raises
-    ------
-    InputError
-        `folder` exists, or cannot be made.
     """
 
     def __init__(self, folder: Path) -> None:

@@ -20,6 +20,8 @@ CLOCK_TICK_NS = 10_000_000  # the same with /clock: a step of the physics
 class LiveRobot:
     """A robot that runs a scenario in real time, once its timeline runs.
 
+    Raises InputError: the robot's start is not free, or the clutter does not fit.
+
     Parameters
     ----------
     scenario
@@ -28,11 +30,6 @@ class LiveRobot:
         The robot's time.
     tick
         Between two steps at most [ns].
-
-    Raises
-    ------
-    InputError
-        The robot's start is not free, or the clutter does not fit.
     """
 
     def __init__(self, scenario: Scenario, timeline: Timeline, tick: int = IDLE_TICK_NS) -> None:
@@ -85,10 +82,8 @@ class LiveRobot:
     def planned(self, seed: int) -> Simulation:
         """Return a simulation of the scenario with this seed, at its start.
 
-        Raises
-        ------
-        InputError
-            The robot's start is not free with this seed, or the clutter does not fit.
+        Raises InputError: the robot's start is not free with this seed, or the clutter does not
+        fit.
         """
         return Simulation(self.simulation.scenario, seed)
 
@@ -115,10 +110,7 @@ def clock_tick(rate: float) -> int:
 def rehearse(scenario: Scenario) -> None:
     """Make a message of each sensor: what is set up on first use takes 0.1 s.
 
-    Raises
-    ------
-    InputError
-        The robot's start is not free, or the clutter does not fit.
+    Raises InputError: the robot's start is not free, or the clutter does not fit.
     """
     tables = {sensor.table: getattr(scenario, sensor.table) for sensor in SENSORS}
     soon = {

@@ -25,10 +25,7 @@ NAME = "mock_robot"
 def run(options: Options, ros_args: list[str], stopped: Callable[[], bool]) -> None:
     """Run a robot until `stopped` says so, or until the scenario is over if it ends with it.
 
-    Raises
-    ------
-    InputError
-        An option, a parameter or a ROS argument is wrong.
+    Raises InputError: an option, a parameter or a ROS argument is wrong.
     """
     with ExitStack() as life:
         context = life.enter_context(_participant(ros_args))

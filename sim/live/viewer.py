@@ -45,17 +45,14 @@ COLOURS = {  # red, green, blue
 class Viewer:
     """A server that shows one robot.
 
+    Raises InputError: the SDK is not installed, or the port is taken.
+
     Parameters
     ----------
     name
         The server's.
     port
         The server's; 0: any that is free.
-
-    Raises
-    ------
-    InputError
-        The SDK is not installed, or the port is taken.
     """
 
     def __init__(self, name: str, port: int = PORT) -> None:

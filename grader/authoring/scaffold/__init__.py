@@ -43,12 +43,8 @@ def scaffold(name: str, root: Path = ROOT) -> Made:
 
     Nothing is written if something is in its way; git takes the rest back.
 
-    Raises
-    ------
-    InputError
-        The name will not do or is taken, or this is no checkout.
-    GraderError
-        What is generated could not be made.
+    Raises InputError: the name will not do or is taken, or this is no checkout.
+    Raises GraderError: what is generated could not be made.
     """
     _check(name, root)
     number = max(exercise.number for exercise in all_exercises()) + 1
@@ -125,10 +121,7 @@ def _files(words: Mapping[str, str]) -> Iterator[tuple[Path, str]]:
 def filled(text: str, words: Mapping[str, str]) -> str:
     """Return a template with its words.
 
-    Raises
-    ------
-    GraderError
-        It has one that nobody knows.
+    Raises GraderError: it has one that nobody knows.
     """
     try:
         return re.sub(r"\{\{(\w+)\}\}", lambda match: words[match[1]], text)

@@ -161,6 +161,8 @@ def search(
 ) -> Search:
     """Look for the smallest world; Ctrl-C ends the search, and keeps what it has.
 
+    Raises InputError: the node can't be driven in virtual time.
+
     Parameters
     ----------
     drive
@@ -169,11 +171,6 @@ def search(
         When to end the search; after a minute if neither is given.
     on_try
         Is told after each try how many there were, and how far the search is, in words.
-
-    Raises
-    ------
-    InputError
-        The node can't be driven in virtual time.
     """
     minutes = minutes or (math.inf if tries else MINUTES)
     hunt = _Hunt(arena, drive, on_try, tries or math.inf, 60.0 * minutes)

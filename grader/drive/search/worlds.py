@@ -81,10 +81,7 @@ class Arena:
 def arena_of(exercise: Exercise, *, field: bool = False) -> Arena:
     """Return the worlds and the contract of an exercise.
 
-    Raises
-    ------
-    InputError
-        Its nodes do not drive.
+    Raises InputError: its nodes do not drive.
     """
     return Arena(driving_contract_of(exercise), field)
 
