@@ -23,7 +23,8 @@ from . import wheels
 HERE = Path(__file__).parent
 FOLDER = HERE / "_ros"
 IN_WHEEL = re.compile(r"(?:[^/]+\.data/data/lib/python[^/]+/site-packages/|)([a-z0-9_]+/.+\.py)")
-LEFT_OUT = ("rosidl_parser/parser.py",)  # needs a parser generator, and nobody calls it
+# They need a parser generator and an engine of templates, and nobody calls them.
+LEFT_OUT = re.compile(r"rosidl_parser/parser\.py|rosidl_adapter/(?!__init__|parser).*")
 STAND_INS = {
     "rclpy/_rclpy_pybind11.py": (
         '"""rclpy\'s native module: the one of the portable runtime."""\n\n'
@@ -115,7 +116,7 @@ def _from_folder(source: Path) -> Files:
 
 
 def _is_wanted(name: str) -> bool:
-    return name.partition("/")[0] in wheels.PACKAGES and name not in LEFT_OUT
+    return name.partition("/")[0] in wheels.PACKAGES and not LEFT_OUT.fullmatch(name)
 
 
 def _write(files: dict[str, bytes], target: Path) -> None:

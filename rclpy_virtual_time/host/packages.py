@@ -75,7 +75,8 @@ def offer(folders: Iterable[Path]) -> None:
     for each in (each for f in folders if f.is_dir() for each in sorted(f.iterdir())):
         if any(_files(each, kind) for kind in KINDS) and not (each / "__init__.py").exists():
             spec = PathFinder.find_spec(each.name)
-            if NAME.fullmatch(each.name) and (spec is None or spec.origin is None):  # not built
+            built = spec is not None and spec.origin is not None
+            if NAME.fullmatch(each.name) and not built and each.name not in sys.stdlib_module_names:
                 found.setdefault(each.name, each)
     if found:
         sys.meta_path.insert(0, Finder(found))

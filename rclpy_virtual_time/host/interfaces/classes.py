@@ -14,7 +14,7 @@ from typing import Any
 
 from rosidl_parser import definition as idl
 
-from .definitions import Field, Message, class_of, parse, shown, type_of
+from .definitions import class_of, parse, shown, type_of
 
 SUPPORT = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE",
            "_TYPE_SUPPORT")  # fmt: skip
@@ -35,14 +35,9 @@ def define(package: str, definitions: Mapping[str, str], kind: str = "msg") -> d
         "msg", "srv" or "action".
     """
     made: dict[str, Any] = {}
+    add = {"msg": _made, "srv": _add_service, "action": _add_action}[kind]
     for name, text in definitions.items():
-        messages = parse(package, kind, name, dedent(text))
-        made |= {message.type.name: _class(message) for message in messages}
-        whole, parts = idl.NamespacedType([package, kind], name), [m.as_idl() for m in messages]
-        if kind == "srv":
-            _add_service(made, idl.Service(whole, *parts))
-        elif kind == "action":
-            _add_action(made, idl.Action(whole, *parts))
+        add(made, parse(package, kind, name, dedent(text)))
     return made
 
 
@@ -76,11 +71,9 @@ def _add_action(made: dict[str, Any], action: idl.Action) -> None:
 
 
 def _made(made: dict[str, Any], message: idl.Message) -> Any:
-    """Return the class of a message; make it if it is one that rosidl adds."""
     type_ = message.structure.namespaced_type
     if type_.name not in made:
-        fields = [Field(member.name, member.type) for member in message.structure.members]
-        made[type_.name] = _class(Message(type_, fields, {}))
+        made[type_.name] = _class(message)
     return made[type_.name]
 
 
@@ -109,8 +102,8 @@ def _add_group(
     return cls
 
 
-def _class(message: Message) -> type:
-    type_, fields, constants = message
+def _class(message: idl.Message) -> type:
+    type_, fields = message.structure.namespaced_type, message.structure.members
     name, module = type_.name, ".".join(type_.namespaces)
 
     def __init__(self: Any, **values: Any) -> None:  # noqa: N807
@@ -145,11 +138,11 @@ def _class(message: Message) -> type:
         "__slots__": [*(f"_{field.name}" for field in fields), "_check_fields"],
         "_fields_and_field_types": {field.name: shown(field.type) for field in fields},
         "SLOT_TYPES": tuple(field.type for field in fields),
-        "_where": {field.name: field.where for field in fields if field.where},
+        "_where": {f.name: where for f in fields for where in f.get_annotation_values("where")},
         "__init__": __init__, "__eq__": __eq__, "__repr__": __repr__,
         "__hash__": None,  # as generated messages: they can be changed
         "get_fields_and_field_types": classmethod(types),
-        **constants,
+        **{constant.name: constant.value for constant in message.constants},
         **{field.name: _property(field) for field in fields},
     })  # fmt: skip
     return cls  # type: ignore[no-any-return]
@@ -159,7 +152,7 @@ def _all(equal: Any) -> Any:
     return equal.all() if hasattr(equal, "all") else equal  # of numpy's arrays
 
 
-def _property(field: Field) -> property:
+def _property(field: idl.Member) -> property:
     slot, convert = f"_{field.name}", _conversion(field)
 
     def write(self: Any, value: Any) -> None:
@@ -168,7 +161,7 @@ def _property(field: Field) -> property:
     return property(lambda self: getattr(self, slot), write, doc=f"Message field '{field.name}'.")
 
 
-def _conversion(field: Field) -> Callable[[Any], Any]:
+def _conversion(field: idl.Member) -> Callable[[Any], Any]:
     """Return what makes an assigned value a field's.
 
     It raises AssertionError for a value that can't stand there.
@@ -190,7 +183,7 @@ def _conversion(field: Field) -> Callable[[Any], Any]:
     return several
 
 
-def _checked(value: Any, *, field: Field, kind: Any) -> Any:
+def _checked(value: Any, *, field: idl.Member, kind: Any) -> Any:
     if isinstance(kind, idl.NamespacedType):
         if not isinstance(value, class_of(kind)):
             raise AssertionError(
@@ -215,10 +208,10 @@ def _numpy() -> Any:
     return numpy
 
 
-def _default(field: Field) -> Any:
+def _default(field: idl.Member) -> Any:
     kind = field.type
-    if field.default is not None:
-        return field.default
+    if field.has_annotation("default"):
+        return field.get_annotation_value("default")["value"]
     if isinstance(kind, idl.Array):
         return [_zero(kind.value_type) for _ in range(kind.size)]
     return [] if isinstance(kind, idl.AbstractNestedType) else _zero(kind)

@@ -11,6 +11,7 @@ import hashlib
 import importlib
 import io
 import json
+import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -20,10 +21,14 @@ from rosidl_parser import definition as idl
 BASIC = {"bool": "boolean", "byte": "octet", "char": "uint8", "float32": "float",
          "float64": "double"}  # fmt: skip
 BASIC |= {f"{sign}int{bits}": f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
-SECTIONS = {  # what is told apart by lines of ---
-    "msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback"),
+SECTIONS: dict[str, Any] = {  # what is told apart by lines of ---, and what it is together
+    "msg": (("",), None), "srv": (("_Request", "_Response"), idl.Service),
+    "action": (("_Goal", "_Result", "_Feedback"), idl.Action),
 }  # fmt: skip
-FORM = "expected TYPE name, TYPE name default, or TYPE NAME=value"
+parser.VALID_CONSTANT_NAME_PATTERN = re.compile(  # the same in linear time
+    "[A-Z][A-Z0-9]*(_[A-Z0-9]+)*$"
+)
+FORM = "expected TYPE name, TYPE name default, or TYPE NAME=value, not indented"
 MAX_VALUES = 10_000_000  # in a new message
 MAX_DEPTH = 30  # messages in one another
 FILLING = ("structure_needs_at_least_one_member", idl.BasicType("uint8"))  # rosidl's
@@ -37,28 +42,6 @@ TYPE_IDS = {
 ARRAY, BOUNDED, UNBOUNDED = 48, 96, 144  # are added to an element's
 
 
-class Field(NamedTuple):
-    """One field of a message."""
-
-    name: str
-    type: Any  # of rosidl_parser.definition, as in SLOT_TYPES
-    default: Any = None  # None: zero, empty
-    where: str = ""  # file and line
-
-
-class Message(NamedTuple):
-    """A message, or one of those that a service or an action is made of."""
-
-    type: idl.NamespacedType
-    fields: list[Field]
-    constants: dict[str, Any]
-
-    def as_idl(self) -> idl.Message:
-        """Return it as rosidl has it."""
-        members = [idl.Member(field.type, field.name) for field in self.fields]
-        return idl.Message(idl.Structure(self.type, members))
-
-
 class FieldType(NamedTuple):
     """A field's type, as type descriptions have it."""
 
@@ -68,46 +51,53 @@ class FieldType(NamedTuple):
     nested_type_name: str = ""
 
 
-def parse(package: str, kind: str, name: str, text: str) -> list[Message]:
-    """Return the messages of a file: one, a service's two, or an action's three.
+def parse(package: str, kind: str, name: str, text: str) -> Any:
+    """Return what a file defines, of rosidl_parser.definition: a Message, a Service or an Action.
+
+    Its members have annotations: `default`, and `where` the file and the line.
 
     Raises ValueError: a line is not in the format; the file and the line are named.
     """
     file = f"{package}/{kind}/{name}.{kind}"
     if not parser.VALID_MESSAGE_NAME_PATTERN.fullmatch(name):
         raise ValueError(f"{file}: expected a name of letters and digits, such as MyType")
-    sections: list[list[tuple[int, str]]] = [[]]
+    sections: list[list[tuple[str, str]]] = [[]]
     for number, line in enumerate(text.splitlines(), 1):
         if line == "---" and kind != "msg":
             sections.append([])
         else:
-            sections[-1].append((number, line))
-    suffixes = SECTIONS[kind]
+            sections[-1].append((f"{file}, line {number}", line))
+    suffixes, make = SECTIONS[kind]
     if len(sections) != len(suffixes):
         lines = f"{len(suffixes) - 1} line{'s' * (kind == 'action')} ---"
         raise ValueError(f"{file}: expected {lines} without spaces, found {len(sections) - 1}")
-    return [
-        _message(idl.NamespacedType([package, kind], name + suffix), file, lines)
-        for suffix, lines in zip(suffixes, sections, strict=True)
-    ]
+    names = [idl.NamespacedType([package, kind], name + suffix) for suffix in ("", *suffixes)]
+    messages = [_message(*each) for each in zip(names[1:], sections, strict=True)]
+    return make(names[0], *messages) if make else messages[0]
 
 
-def _message(type_: idl.NamespacedType, file: str, lines: list[tuple[int, str]]) -> Message:
-    found = Message(type_, [], {})
-    for number, line in lines:
-        where = f"{file}, line {number}"
+def _message(type_: idl.NamespacedType, lines: list[tuple[str, str]]) -> idl.Message:
+    found = idl.Message(idl.Structure(type_))
+    members = found.structure.members
+    for where, line in lines:
         try:
             with contextlib.redirect_stderr(io.StringIO()):  # it prints what it raises
-                read = parser.parse_message_string(type_.namespaces[0], type_.name, line)
+                code = line.partition("#")[0]
+                read = parser.parse_message_string(type_.namespaces[0], type_.name, code)
             for each in read.fields:
-                if any(each.name == field.name for field in found.fields):
+                if any(each.name == member.name for member in members):
                     raise ValueError(f"there is a field {each.name} already")
-                value = _value(each.type, each.default_value)
-                found.fields.append(Field(each.name, _type(each.type), value, where))
+                member = idl.Member(_type(each.type), each.name)
+                member.annotations.append(idl.Annotation("where", where))
+                if (value := _value(each.type, each.default_value)) is not None:
+                    member.annotations.append(idl.Annotation("default", {"value": value}))
+                members.append(member)
             for each in read.constants:
-                found.constants[each.name] = _value(parser.Type(each.type), each.value)
+                kind = parser.Type(each.type)
+                constant = idl.Constant(each.name, _type(kind), _value(kind, each.value))
+                found.constants.append(constant)
         except Exception as error:  # its kinds are many
-            raise ValueError(f"{where}: {line.strip()!r}: {FORM} ({error})") from None
+            raise ValueError(f"{where}: {line.rstrip()!r}: {FORM} ({error})") from None
     return found
 
 

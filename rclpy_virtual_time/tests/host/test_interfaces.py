@@ -95,6 +95,11 @@ def test_what_can_not_stand_in_a_field_is_refused(module: Any, field: str, value
     [
         ("msg", "float64", "Bad.msg, line 1: 'float64': expected TYPE name"),
         ("msg", "# a\nint8 a\nint8 a", "Bad.msg, line 3: .*there is a field a already"),
+        (
+            "msg",
+            f"#{' ' * 90_000}x\nint8 {60 * 'A'}a=1",
+            "Bad.msg, line 2: .*invalid constant name",
+        ),
         ("msg", "uint8 a 256", "Bad.msg, line 1: .*<= 255"),
         ("msg", "int32[0] a", "Bad.msg, line 1"),
         ("msg", "string<=3 a 'abcd'", "Bad.msg, line 1: .*maximum length of 3"),
@@ -145,9 +150,8 @@ def test_an_action_has_the_hash_of_rosidl(module: Any, monkeypatch: pytest.Monke
     text, made = "int32 to\n---\nstring<=9[<=2] why\n---\nInner[2] last", type(sys)("action")
     monkeypatch.setitem(sys.modules, f"{PACKAGE}.action", made)
     vars(made).update(define(PACKAGE, {"Do": text}, "action"))
-    parts = [part.as_idl() for part in definitions.parse(PACKAGE, "action", "Do", text)]
     described: dict[str, Any] = {}
-    rosidl.add_action(idl.Action(idl.NamespacedType([PACKAGE, "action"], "Do"), *parts), described)
+    rosidl.add_action(definitions.parse(PACKAGE, "action", "Do", text), described)
     for name, cls in definitions.referenced(made.Do).items():
         fields = [idl.Member(kind, field) for field, kind in definitions.fields_of(cls)]
         described.setdefault(name, rosidl.GenericInterface(definitions.type_of(cls), fields))
