@@ -16,7 +16,7 @@ from pathlib import Path
 from rclpy_virtual_time.link.real_clock import real_clock
 
 SHM = Path("/dev/shm")
-OURS = "fastrtps_"
+OURS = ("fastrtps_", "fastdds_")  # of Fast DDS 2 (Jazzy) and 3 (Kilted)
 HALF_MADE = (0, 1)  # first word of a file: not begun, begun; 2 means initialized
 MAKING = 1.0  # [s] longer than making one takes: it takes a millisecond
 
@@ -32,7 +32,7 @@ def remove_half_made_ports() -> list[Path]:
 
     A process that waits for one has it open, too: after `MAKING` the maker is taken for dead.
     """
-    suspects = [port for port in SHM.glob(f"{OURS}port*") if _is_half_made(port)]
+    suspects = [p for name in OURS for p in SHM.glob(f"{name}port*") if _is_half_made(p)]
     if not suspects:
         return []
     held = set(_held())
@@ -83,7 +83,7 @@ def _mapped(pid: int) -> Iterator[tuple[int, int, str]]:
     except OSError:  # it has ended, or is another user's
         return
     for line in maps.splitlines():
-        if f"{SHM}/{OURS}" in line:
+        if any(f"{SHM}/{name}" in line for name in OURS):
             _, _, _, device, inode, name = line.split(maxsplit=5)
             major, minor = (int(part, 16) for part in device.split(":"))
             yield os.makedev(major, minor), int(inode), name

@@ -16,10 +16,10 @@ from rclpy_virtual_time.tests.ordinary import said_by_ordinary
 pytestmark = pytest.mark.skipif(not SHM.is_dir(), reason="no /dev/shm here")
 
 
-@pytest.fixture
-def port() -> Iterator[Path]:
+@pytest.fixture(params=shared_memory.OURS)
+def port(request: pytest.FixtureRequest) -> Iterator[Path]:
     """Return a port that nobody has: Fast DDS's ports end at 65,535."""
-    file = SHM / f"fastrtps_port9{uuid.uuid4().int % 10**9:09}"
+    file = SHM / f"{request.param}port9{uuid.uuid4().int % 10**9:09}"
     yield file
     file.unlink(missing_ok=True)
 
@@ -67,10 +67,11 @@ from pathlib import Path
 if os.stat('/dev/shm').st_dev == {device}:
     print(json.dumps('no /dev/shm of its own to spoil'))
     sys.exit()
-from rclpy_virtual_time import ForkServer, HostDied
+from rclpy_virtual_time import ForkServer, HostDied, RosEnvironment
+from rclpy_virtual_time.link.shared_memory import OURS
 from rclpy_virtual_time.link.settings import EPOCH
 from rclpy_virtual_time.tests.runs import PREAMBLE, end_of, run_beside_lidar
-PORT = Path('/dev/shm/fastrtps_port7411')
+PORT = Path('/dev/shm', OURS[RosEnvironment.find().distro == 'kilted'] + 'port7411')
 LEAVE = f'''
 with open('{{PORT}}', 'wb') as file:
     file.write(bytes(44_208))
