@@ -57,16 +57,20 @@ VIRTUAL_DDS = {  # it never leaves the process
     "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
     "FASTDDS_BUILTIN_TRANSPORTS": "SHM",
 }
-LIVE_DDS = {  # it never leaves the machine
-    "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",  # as the profile says
-    "FASTRTPS_DEFAULT_PROFILES_FILE": str(
-        ROOT / "rclpy_virtual_time" / "host" / "real_time" / "live.xml"
-    ),
-}
+PROFILE = ROOT / "rclpy_virtual_time" / "host" / "real_time" / "live.xml"
 SILENT = "it said nothing; if the machine is very busy, try again"
 SHARED_OBJECT = "shared object file"  # the dynamic linker's words for a library it can't find
 FORK_SERVER_START = 60.0  # [s] for the imports of a cold machine; anew while they get on
 GETS_ON = 0.1  # [s] of CPU time
+
+
+def live_dds(distro: str) -> dict[str, str]:
+    """Return what keeps DDS on this machine; Kilted's rmw warns of the variable's old name."""
+    name = "FASTDDS" if distro == "kilted" else "FASTRTPS"
+    return {
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",  # as the profile says
+        f"{name}_DEFAULT_PROFILES_FILE": str(PROFILE),
+    }
 
 
 class ForkServer:
@@ -302,7 +306,7 @@ class ForkServer:
             "ROS_LOG_DIR": tempfile.gettempdir(),
             "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
             "RCUTILS_COLORIZED_OUTPUT": "0",
-            **(LIVE_DDS if self._kind == LIVE else VIRTUAL_DDS),
+            **(live_dds(self.ros.distro) if self._kind == LIVE else VIRTUAL_DDS),
             **with_needs(self.ros.variables()),
         }
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from rclpy_virtual_time.link.hosts import LIVE_DDS
+from rclpy_virtual_time.link.hosts import live_dds
 from rclpy_virtual_time.link.ros_environment import RosEnvironment
 
 NODES = Path(__file__).parent / "nodes"
@@ -27,7 +27,7 @@ def variables(domain: int, folder: Path) -> dict[str, str]:
     return {
         **os.environ,
         **RosEnvironment.find().variables(),
-        **LIVE_DDS,
+        **live_dds(RosEnvironment.find().distro),
         "ROS_DOMAIN_ID": str(domain),
         "ROS_LOG_DIR": str(folder),
         "PYTHONUNBUFFERED": "1",

@@ -6,7 +6,6 @@ who runs the grader. The judge may leave layers out, to show what each is for.
 
 from __future__ import annotations
 
-import contextlib
 import os
 import sys
 import sysconfig
@@ -95,6 +94,5 @@ def needed_paths() -> list[Path]:
 def readable_paths() -> list[Path]:
     """Return all that a host may read: no solutions, scenarios or other students' files."""
     own = [*needed_paths(), HERE.parent / "__init__.py"]
-    with contextlib.suppress(KeyError):
-        own.append(Path(os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"]))
+    own += [Path(os.environ[n]) for n in os.environ if n.endswith("_DEFAULT_PROFILES_FILE")]
     return [*own, *map(Path, SYSTEM)]
