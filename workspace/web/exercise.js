@@ -79,7 +79,7 @@ export class Exercise extends Workspace {
   trial(hand, scenario, text, more) { return this.run(hand, 'trial', { others: this.plan.files, scenario, ...more }, text); }
 
   drive() {
-    if (this.busy || !this.isThere()) return null;
+    if (this.busy || !this.isThere() || this.whyNot) return null;
     if (!this.seed.checkValidity()) {
       this.say('The seed is a whole number from 0 to 1000000.');
       return null;
@@ -101,7 +101,7 @@ export class Exercise extends Workspace {
   }
 
   check() {
-    if (this.busy || !this.isThere()) return null;
+    if (this.busy || !this.isThere() || this.whyNot) return null;
     this.unmark();
     Object.values(this.rows).forEach(({ fill }) => fill(null));
     this.score.replaceChildren();
