@@ -27,7 +27,7 @@ INTERFACES = {
         string<=8 word "none"
         """,
     "our_types/msg/Unlisted.msg": "bool a",
-    "our_types/srv/Ask.srv": "Seen seen\n---\nbool near\nstring why",
+    "our_types/srv/Ask.srv": "Seen seen\n---\nbool far true\nstring why",
     "our_types/action/Count.action": "int32 to\n---\nint32[] all\n---\nour_types/Seen last",
 }
 NODE = """
@@ -47,7 +47,7 @@ NODE = """
             self.create_subscription(LaserScan, "/scan", self.hear, 10)
             group = ReentrantCallbackGroup()
             self.create_subscription(Seen, "seen", self.ask, 10, callback_group=group)
-            self.create_service(Ask, "ask", self.answer)
+            self.create_service(Ask, "ask", lambda asked, _: Ask.Response(why=asked.seen.word))
             self.asked = self.create_client(Ask, "ask")
             self.server = ActionServer(self, Count, "count", self.count)
             self.counted = ActionClient(self, Count, "count")
@@ -60,12 +60,7 @@ NODE = """
             goal = await self.counted.send_goal_async(
                 Count.Goal(to=3), lambda told: print("at", told.feedback.last.distances[0]))
             last = await goal.get_result_async()
-            print("counted", answer.why, answer.near, *last.result.all)
-
-        def answer(self, request, response):
-            response.near = request.seen.distances[0] < request.seen.limits[1]
-            response.why = request.seen.word
-            return response
+            print("counted", answer.why, answer.far, *last.result.all)
 
         def count(self, goal):
             for i in range(goal.request.to):
@@ -109,7 +104,7 @@ def test_topic_service_and_action_of_an_own_package(
     said = drive(lay(tmp_path / "src", INTERFACES | ROBOT) / "robot", *runtime)
     assert "-> /seen our_types/msg/Seen reliable 10 messages" in said
     assert "<- /seen our_types/msg/Seen reliable up to 10 messages" in said
-    assert "at 2.0" in said and "counted lidar False 0 1 2" in said
+    assert "at 2.0" in said and "counted lidar True 0 1 2" in said
     assert "share/our_types/msg/Seen.msg" in said  # came along
 
 

@@ -23,16 +23,8 @@ SUPPORT = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTRO
 def define(package: str, definitions: Mapping[str, str], kind: str = "msg") -> dict[str, Any]:
     """Return the classes of a package's interfaces, by name, with the messages that they have.
 
-    Raises ValueError: a line is not in the format.
-
-    Parameters
-    ----------
-    package
-        Its name, for example "ackermann_msgs".
-    definitions
-        The text of each interface's file, by the name of the interface.
-    kind
-        "msg", "srv" or "action".
+    `definitions`: the text of each file, by the name of the interface. Raises ValueError: a line is
+    not in the format.
     """
     made: dict[str, Any] = {}
     add = {"msg": _made, "srv": _add_service, "action": _add_action}[kind]

@@ -64,17 +64,7 @@ _alive: dict[int, list[Any]] = {}  # messages that rclpy holds, by their address
 
 @functools.cache
 def capsules(name: str, cls: Any, wanted: tuple[str, ...]) -> dict[str, Any]:
-    """Return the five capsules that rclpy asks a message's class for, by their names.
-
-    Parameters
-    ----------
-    name
-        The type: "tf2_msgs/msg/TFMessage".
-    cls
-        Its class.
-    wanted
-        The names.
-    """
+    """Return the capsules that rclpy wants of the class of a message, "tf2_msgs/msg/TFMessage"."""
     if _is_portable():  # it reads classes, not capsules
         return {each: each for each in wanted}
 
