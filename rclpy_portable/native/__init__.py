@@ -3,6 +3,7 @@
 The names are those of rclpy 7.1 (Jazzy). What it does not have: the EventsExecutor, introspection
 of services, definitions and hashes of types, security enclaves, log files.
 """
+# ruff: noqa: F401  (rclpy looks for all that is imported here)
 
 from __future__ import annotations
 
@@ -81,25 +82,6 @@ from .signals import (
 )
 from .timers import ContextTimer as Timer
 from .wait_set import GuardCondition, WaitSet
-
-__all__ = [
-    "RCL_DEFAULT_DOMAIN_ID", "RMW_DURATION_INFINITE", "RMW_QOS_DEADLINE_BEST_AVAILABLE",
-    "RMW_QOS_LIVELINESS_LEASE_DURATION_BEST_AVAILABLE", "ActionClient", "ActionGoalHandle",
-    "ActionServer", "Client", "Clock", "ClockChange", "ClockEvent", "ClockType", "Context",
-    "Destroyable", "EventHandle", "GoalEvent", "GuardCondition", "InvalidHandle",
-    "LifecycleStateMachine", "Node", "NodeNameNonExistentError", "NotImplementedError",
-    "Publisher", "QoSCheckCompatibleResult", "QoSCompatibility", "RCLError",
-    "RCLInvalidROSArgsError", "RCUtilsError", "RMWError", "Service", "SignalHandlerOptions",
-    "Subscription", "Timer", "TransitionCallbackReturnType", "TypeDescriptionService",
-    "UnknownROSArgsError", "UnsupportedEventTypeError", "WaitSet",
-    "get_current_signal_handlers_options", "install_signal_handlers", "rcl_duration_t",
-    "rcl_time_point_t", "register_sigint_guard_condition", "rmw_incompatible_type_status_t",
-    "rmw_liveliness_changed_status_t", "rmw_liveliness_lost_status_t", "rmw_matched_status_t",
-    "rmw_message_lost_status_t", "rmw_offered_deadline_missed_status_t", "rmw_qos_profile_t",
-    "rmw_request_id_t", "rmw_requested_deadline_missed_status_t",
-    "rmw_requested_qos_incompatible_event_status_t", "rmw_service_info_t",
-    "service_introspection", "uninstall_signal_handlers", "unregister_sigint_guard_condition",
-]  # fmt: skip
 
 RCUTILS_LOG_SEVERITY = Severity
 rcl_publisher_event_type_t = PublisherEvent

@@ -217,11 +217,11 @@ def _filter(datagrams: bool, reserving: bool) -> list[Instruction]:
     for number in (KILL[column], TGKILL[column]):  # abort() and raise() of the process itself
         program += _only_if(number, JUMP_EQUAL, os.getpid())
     for numbers, commands in OWNERSHIP:
-        program += _unless_second(numbers[column], commands)
+        program += _unless(numbers[column], SECOND, commands)
     program += _only_if(PRLIMIT[column], JUMP_EQUAL, 0)  # its own
     program += _only_counted_memory(MMAP[column])
-    program += _unless_first(PRCTL[column], PR_SET_PDEATHSIG)  # it ends with its judge
-    program += _unless_first(PRCTL[column], PR_SET_SECCOMP)
+    # it ends with its judge, and adds no filter
+    program += _unless(PRCTL[column], FIRST, (PR_SET_PDEATHSIG, PR_SET_SECCOMP))
     for place, numbers in OPENING:
         if numbers[column] != NONE:
             program += _unless_it_empties(numbers[column], place)
@@ -259,22 +259,11 @@ def _only_counted_memory(number: int) -> list[Instruction]:
     ]
 
 
-def _unless_first(number: int, constant: int) -> list[Instruction]:
-    """Refuse a call if its first argument is this."""
-    return [
-        (JUMP_EQUAL, 0, 4, number),
-        (LOAD, 0, 0, FIRST),
-        (JUMP_EQUAL, 0, 1, constant),
-        _refuse(errno.EPERM),
-        (LOAD, 0, 0, NUMBER),
-    ]
-
-
-def _unless_second(number: int, constants: Collection[int]) -> list[Instruction]:
-    """Refuse a call if its second argument is one of these."""
+def _unless(number: int, place: int, constants: Collection[int]) -> list[Instruction]:
+    """Refuse a call if an argument is one of these."""
     tests = [(JUMP_EQUAL, 0, 1, constant) for constant in constants]
     refusals = [step for test in tests for step in (test, _refuse(errno.EPERM))]
-    load = [(JUMP_EQUAL, 0, 2 + len(refusals), number), (LOAD, 0, 0, SECOND)]
+    load = [(JUMP_EQUAL, 0, 2 + len(refusals), number), (LOAD, 0, 0, place)]
     return [*load, *refusals, (LOAD, 0, 0, NUMBER)]
 
 
