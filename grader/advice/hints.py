@@ -44,7 +44,8 @@ OF_ROS_1 = {
 INTERFACES = re.compile(r"\w+_(msgs|srvs|interfaces|actions?)")
 SOURCES = {  # on GitHub, of those that courses use
     "neato2_interfaces": "comprobo23/neato_packages", "vesc_msgs": "f1tenth/vesc/tree/ros2",
-    "nav2_msgs": "ros-navigation/navigation2",
+    "nav2_msgs": "ros-navigation/navigation2", "turtlesim": "ros/ros_tutorials",
+    "example_interfaces": "ros2/example_interfaces",
     "irobot_create_msgs": "iRobotEducation/irobot_create_msgs",
 }  # fmt: skip
 
@@ -170,7 +171,7 @@ def missing_package(name: str) -> str:
         return f"`{name}` belongs to ROS 1; in ROS 2 it is {OF_ROS_1[name]}"
     if name in INSTEAD:
         return ""  # it is said by `plain_words`
-    laid = INTERFACES.fullmatch(name) and name not in sys.modules
+    laid = (INTERFACES.fullmatch(name) or name in SOURCES) and name not in sys.modules
     source = f" from github.com/{SOURCES[name]}" if name in SOURCES else ""
     lay = f"lay the folder {name}{source}, with its msg/, srv/ or action/, beside the node"
     if name in ONLY_APT:

@@ -136,6 +136,7 @@ def test_a_package_of_ros_that_is_not_installed(run_node: RunNode) -> None:
         ("tf", "in ROS 2 it is tf2_ros"),
         ("rospy", "in ROS 2 it is rclpy"),
         ("pizza_interfaces", "beside the node; where the node is a package, beside that"),
+        ("turtlesim", "from github.com/ros/ros_tutorials"),
         ("neato2_interfaces", "from github.com/comprobo23/neato_packages"),
     ],
 )
