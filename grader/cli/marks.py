@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import getpass
 from collections.abc import Callable
 from pathlib import Path
@@ -15,6 +16,7 @@ from grader.report.echo import echo
 
 if TYPE_CHECKING:
     from grader.classroom.amendments.change import Change
+    from grader.classroom.desk.asked import Named
     from grader.classroom.desk.marking import Marked, Marking
 
 MOST = 20  # lines
@@ -38,7 +40,6 @@ Examples:
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
-folder = click.argument("folder", type=click.Path(path_type=Path))
 exercise = click.option("--exercise", default="", help="Its name or number; if there are several.")
 
 
@@ -62,16 +63,39 @@ class _Number(click.ParamType[float]):
             return self.fail(str(error), param, ctx)
 
 
-def _whom(command: Command) -> Command:
-    """Add the options that say whom a change is about."""
+def _marking(command: Callable[..., int]) -> Callable[..., int]:
+    """Add the argument FOLDER; the command gets the class in it, open for a change."""
+
+    @functools.wraps(command)
+    def opened(folder: Path, **options: Any) -> int:
+        from grader.classroom.desk.marking import marking  # noqa: PLC0415
+
+        with marking(folder) as class_:
+            return command(class_, **options)
+
+    return click.argument("folder", type=click.Path(path_type=Path))(opened)
+
+
+def _whom(command: Callable[..., int]) -> Callable[..., int]:
+    """Add the options that say whom a change is about; the command gets them as `named`."""
+
+    @functools.wraps(command)
+    def with_names(
+        class_: Marking, students: tuple[str, ...], section: str, everybody: bool, **options: Any
+    ) -> int:
+        from grader.classroom.desk.asked import Named  # noqa: PLC0415
+
+        return command(class_, named=Named(students, section, everybody), **options)
+
+    named: Callable[..., int] = with_names
     for option in (
         click.option("--all", "everybody", is_flag=True, help="Everybody, also who comes later."),
         click.option("--section", default="", help="A section of the roster."),
         click.option("--student", "students", multiple=True, metavar="ID",
                      help="Folder, id, login, e-mail or name. May be repeated."),
     ):  # fmt: skip
-        command = option(command)
-    return command
+        named = option(named)
+    return named
 
 
 by_option = click.option("--by", default="", metavar="NAME", help="Who; you, if it isn't said.")
@@ -101,7 +125,7 @@ def marks() -> None:
 
 
 @marks.command("set")
-@folder
+@_marking
 @click.argument("check")
 @click.argument("points", type=_Number())
 @exercise
@@ -110,21 +134,18 @@ def marks() -> None:
 @_whom
 @_reason
 def set_(
-    folder: Path, check: str, points: float, exercise: str, students: tuple[str, ...],
-    section: str, everybody: bool, may_lower: bool, preview: bool, why: str, by: str,
+    class_: Marking, check: str, points: float, exercise: str, named: Named, may_lower: bool,
+    preview: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Set the POINTS of a CHECK; scores that would drop are left (see --may-lower)."""
-    from grader.classroom.desk.asked import Named, set_check  # noqa: PLC0415
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
+    from grader.classroom.desk import asked  # noqa: PLC0415
 
-    named = Named(students, section, everybody)
-    with marking(folder) as class_:
-        change = set_check(class_, named, exercise, check, points, may_lower=may_lower)
-        return _changed(class_, change, by, why, preview=preview)
+    change = asked.set_check(class_, named, exercise, check, points, may_lower=may_lower)
+    return _changed(class_, change, by, why, preview=preview)
 
 
 @marks.command()
-@folder
+@_marking
 @click.argument("check")
 @exercise
 @may_lower
@@ -132,45 +153,38 @@ def set_(
 @_whom
 @_reason
 def waive(
-    folder: Path, check: str, exercise: str, students: tuple[str, ...], section: str,
-    everybody: bool, may_lower: bool, preview: bool, why: str, by: str,
+    class_: Marking, check: str, exercise: str, named: Named, may_lower: bool, preview: bool,
+    why: str, by: str,
 ) -> int:  # fmt: skip
     """Leave a CHECK out of score and maximum, where that costs nobody points.
 
     The other checks count for more.
     """
     from grader.classroom.desk import asked  # noqa: PLC0415
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
-    named = asked.Named(students, section, everybody)
-    with marking(folder) as class_:
-        change = asked.waive(class_, named, exercise, check, may_lower=may_lower)
-        return _changed(class_, change, by, why, preview=preview)
+    change = asked.waive(class_, named, exercise, check, may_lower=may_lower)
+    return _changed(class_, change, by, why, preview=preview)
 
 
 @marks.command()
-@folder
+@_marking
 @click.argument("points", type=_Number())
 @exercise
 @preview
 @_whom
 @_reason
 def score(
-    folder: Path, points: float, exercise: str, students: tuple[str, ...], section: str,
-    everybody: bool, preview: bool, why: str, by: str,
-) -> int:  # fmt: skip
+    class_: Marking, points: float, exercise: str, named: Named, preview: bool, why: str, by: str
+) -> int:
     """Give students these POINTS in an exercise, whatever was graded, or nothing handed in."""
     from grader.classroom.desk import asked  # noqa: PLC0415
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
-    named = asked.Named(students, section, everybody)
-    with marking(folder) as class_:
-        change = asked.score(class_, named, exercise, points)
-        return _changed(class_, change, by, why, preview=preview)
+    change = asked.score(class_, named, exercise, points)
+    return _changed(class_, change, by, why, preview=preview)
 
 
 @marks.command()
-@folder
+@_marking
 @exercise
 @click.option("--per-day", type=_Number(100), required=True, metavar="PERCENT",
               help="Of the exercise's points, for each begun day; 0: nothing.")  # fmt: skip
@@ -185,9 +199,8 @@ def score(
 @_whom
 @_reason
 def late(
-    folder: Path, exercise: str, per_day: float, deadline: str, zone: str, grace: str, cap: float,
-    times: Path | None, students: tuple[str, ...], section: str, everybody: bool, preview: bool,
-    why: str, by: str,
+    class_: Marking, exercise: str, per_day: float, deadline: str, zone: str, grace: str,
+    cap: float, times: Path | None, named: Named, preview: bool, why: str, by: str,
 ) -> int:  # fmt: skip
     """Take points off what was handed in late. The newest rule that is about a student counts.
 
@@ -195,38 +208,30 @@ def late(
     only what the platform itself calls late is late, and counts as one day.
     """
     from grader.classroom.desk import asked  # noqa: PLC0415
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
-    named = asked.Named(students, section, everybody)
-    with marking(folder) as class_:
-        rule = asked.late(
-            class_, named, exercise, per_day, deadline=deadline, zone=zone, grace=grace, cap=cap,
-            times=times,
-        )  # fmt: skip
-        return _changed(class_, rule, by, why, preview=preview)
+    rule = asked.late(
+        class_, named, exercise, per_day, deadline=deadline, zone=zone, grace=grace, cap=cap,
+        times=times,
+    )  # fmt: skip
+    return _changed(class_, rule, by, why, preview=preview)
 
 
 @marks.command()
-@folder
+@_marking
 @click.option("--exercise", "exercises", multiple=True, help="Its name or number; else all.")
 @_whom
 @_reason
-def publish(
-    folder: Path, exercises: tuple[str, ...], students: tuple[str, ...], section: str,
-    everybody: bool, why: str, by: str,
-) -> int:  # fmt: skip
+def publish(class_: Marking, exercises: tuple[str, ...], named: Named, why: str, by: str) -> int:
     """Copy feedback pages into FOLDER/published, and keep them in step; `undo` takes them back."""
     from grader.classroom.desk import asked  # noqa: PLC0415
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
-    with marking(folder) as class_:
-        change = asked.publish(class_, asked.Named(students, section, everybody), exercises)
-        code = _told(class_.add(change, _who(by), why))
+    change = asked.publish(class_, named, exercises)
+    code = _told(class_.add(change, _who(by), why))
     pages: dict[str, int] = {}  # of exercises
-    for page in sorted((folder / "published").glob("*/*.html")):
+    for page in sorted((class_.out / "published").glob("*/*.html")):
         pages[page.parent.name] = pages.get(page.parent.name, 0) + (page.name != "index.html")
     bare = [student for student, count in pages.items() if not count]
-    echo(f"Students with published feedback: {len(pages) - len(bare)} ({folder / 'published'})")
+    echo(f"Students with published feedback: {len(pages) - len(bare)} ({class_.out / 'published'})")
     if bare:
         rest = f" and {len(bare) - MOST} more" if len(bare) > MOST else ""
         echo(f"Nothing handed in, or held, so an index without pages: "
@@ -235,60 +240,52 @@ def publish(
 
 
 @marks.command()
-@folder
+@_marking
 @click.argument("entry", type=_Number(whole=True))
 @preview
 @_reason
-def undo(folder: Path, entry: int, preview: bool, why: str, by: str) -> int:
+def undo(class_: Marking, entry: int, preview: bool, why: str, by: str) -> int:
     """Have an ENTRY of the log no longer count. To bring it back, undo that."""
     from grader.classroom.amendments.change import Undo  # noqa: PLC0415
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
-    with marking(folder) as class_:
-        return _changed(class_, Undo(entry), by, why, preview=preview)
+    return _changed(class_, Undo(entry), by, why, preview=preview)
 
 
 @marks.command()
-@folder
+@_marking
 @click.argument("entry")
 @click.argument("people", nargs=-1, required=True, metavar="STUDENT...")
 @_reason
-def assign(folder: Path, entry: str, people: tuple[str, ...], why: str, by: str) -> int:
+def assign(class_: Marking, entry: str, people: tuple[str, ...], why: str, by: str) -> int:
     """Say that an ENTRY of a download is this STUDENT's, or a group's, for good.
 
     The next `course autograde` grades it as theirs, in all later downloads, too.
     """
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
-
-    with marking(folder) as class_:
-        code = _told(class_.add(class_.assigned(entry, people), _who(by), why))
+    code = _told(class_.add(class_.assigned(entry, people), _who(by), why))
     echo(AGAIN)
     return code
 
 
 @marks.command()
-@folder
+@_marking
 @click.argument("student")
 @click.argument("file")
 @click.option("--exercise", required=True, help="Its name or number.")
 @_reason
-def accept(folder: Path, student: str, file: str, exercise: str, why: str, by: str) -> int:
+def accept(class_: Marking, student: str, file: str, exercise: str, why: str, by: str) -> int:
     """Say that a STUDENT's FILE is an exercise's, whatever it is called, for good.
 
     The next `course autograde` grades it; a newer file of that name counts, too.
     """
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
-
-    with marking(folder) as class_:
-        who = class_.student(student)
-        change = class_.accepted(who, file, class_.any_exercise(exercise))
-        code = _told(class_.add(change, _who(by), why))
+    who = class_.student(student)
+    change = class_.accepted(who, file, class_.any_exercise(exercise))
+    code = _told(class_.add(change, _who(by), why))
     echo(AGAIN)
     return code
 
 
 @marks.command()
-@folder
+@_marking
 @click.argument("student")
 @click.argument("file")
 @click.argument("line", type=_Number(whole=True))
@@ -296,27 +293,24 @@ def accept(folder: Path, student: str, file: str, exercise: str, why: str, by: s
 @exercise
 @by_option
 def comment(
-    folder: Path, student: str, file: str, line: int, words: str, exercise: str, by: str
+    class_: Marking, student: str, file: str, line: int, words: str, exercise: str, by: str
 ) -> int:
     """Put WORDS on a LINE of a STUDENT's FILE; the feedback page has them."""
     from grader.classroom.desk import asked  # noqa: PLC0415
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
-    with marking(folder) as class_:
-        change = asked.comment(class_, student, exercise, file, line, words)
-        return _changed(class_, change, by, asked.READ, preview=False)
+    change = asked.comment(class_, student, exercise, file, line, words)
+    return _changed(class_, change, by, asked.READ, preview=False)
 
 
 @marks.command()
-@folder
+@_marking
 @click.argument("student")
 @click.argument("points", nargs=-1, required=True, metavar="CRITERION=POINTS...")
 @exercise
 @by_option
-def style(folder: Path, student: str, points: tuple[str, ...], exercise: str, by: str) -> int:
+def style(class_: Marking, student: str, points: tuple[str, ...], exercise: str, by: str) -> int:
     """Give points for style by FOLDER/rubric.toml; they stand beside those of the checks."""
     from grader.classroom.desk import asked  # noqa: PLC0415
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
     from grader.lms.told import number  # noqa: PLC0415
 
     given = {}
@@ -325,48 +319,40 @@ def style(folder: Path, student: str, points: tuple[str, ...], exercise: str, by
         if not sign:
             raise InputError(f"{told!r}: expected CRITERION=POINTS, such as Names=3")
         given[name] = number(value)
-    with marking(folder) as class_:
-        change = asked.style(class_, student, exercise, given)
-        return _changed(class_, change, by, asked.READ, preview=False)
+    change = asked.style(class_, student, exercise, given)
+    return _changed(class_, change, by, asked.READ, preview=False)
 
 
 @marks.command()
-@folder
+@_marking
 @click.argument("file", type=click.Path(path_type=Path))
 @by_option
-def request(folder: Path, file: Path, by: str) -> int:
+def request(class_: Marking, file: Path, by: str) -> int:
     """Log what a student asks to look at again: the text of the feedback page, by mail or FILE."""
     from grader.classroom.desk import asked  # noqa: PLC0415
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
-    with marking(folder) as class_:
-        change = asked.request(class_, asked.text_of(file))
-        return _changed(class_, change, by, asked.SENT, preview=False)
+    change = asked.request(class_, asked.text_of(file))
+    return _changed(class_, change, by, asked.SENT, preview=False)
 
 
 @marks.command()
-@folder
+@_marking
 @click.argument("number", type=_Number(whole=True))
 @click.argument("words")
 @by_option
-def answer(folder: Path, number: int, words: str, by: str) -> int:
+def answer(class_: Marking, number: int, words: str, by: str) -> int:
     """Answer the request that is entry NUMBER of the log; the feedback page has it."""
     from grader.classroom.desk import asked  # noqa: PLC0415
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
 
-    with marking(folder) as class_:
-        change = asked.answer(class_, number, words)
-        return _changed(class_, change, by, asked.READ, preview=False)
+    change = asked.answer(class_, number, words)
+    return _changed(class_, change, by, asked.READ, preview=False)
 
 
 @marks.command()
-@folder
-def write(folder: Path) -> int:
+@_marking
+def write(class_: Marking) -> int:
     """Write all results anew, from the stored gradings and the log."""
-    from grader.classroom.desk.marking import marking  # noqa: PLC0415
-
-    with marking(folder) as class_:
-        return _told(class_.write())
+    return _told(class_.write())
 
 
 def _changed(class_: Marking, change: Change, by: str, why: str, *, preview: bool) -> int:
