@@ -10,15 +10,7 @@ import math
 from sim.events import Event, periodic
 from sim.faults import Times, deliveries, sensor_rng, survivors
 from sim.layout import Layout, Pose
-from sim.messages import (
-    BASE_FRAME,
-    ODOM_FRAME,
-    ODOM_TOPIC,
-    ODOMETRY,
-    Message,
-    odometry,
-    transform,
-)
+from sim.messages import BASE_FRAME, ODOM_FRAME, ODOM_TOPIC, ODOMETRY, Message, odometry, transform
 from sim.scenario import Scenario
 
 

@@ -99,11 +99,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         r"bad argument type for built-in operation|^\w+ is not a sequence|must be real number",
         FIELD,
     ),
-    (
-        "SystemError",
-        r"publish\b.*exception set",
-        FIELD,
-    ),
+    ("SystemError", r"publish\b.*exception set", FIELD),
     (
         "TypeError",
         r"'Duration'|'Time'",
@@ -269,11 +265,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         "comes from the parameter model_path",
     ),
     ("RecursionError", r"", "a function calls itself for ever"),
-    (
-        "NotInitializedException",
-        r"",
-        "rclpy.init() comes first, before any node is made",
-    ),
+    ("NotInitializedException", r"", "rclpy.init() comes first, before any node is made"),
     (
         "ParameterNotDeclaredException",
         r"",

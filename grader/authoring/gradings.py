@@ -20,10 +20,7 @@ PER_PROCESS = 50
 
 
 def gradings(
-    claims: Sequence[Claim],
-    workers: int,
-    *,
-    kept: KeptRecordings | None = None,
+    claims: Sequence[Claim], workers: int, *, kept: KeptRecordings | None = None
 ) -> Iterator[Grading]:
     """Yield the grading of each claim, without its recordings.
 

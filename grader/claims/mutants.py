@@ -177,10 +177,7 @@ def _render(name: str, entry: _Entry, base: _Base, first: str, where: str) -> Mu
     except EditError as error:
         raise InputError(f"{where}: {error}") from None
     mistake = " ".join(entry.mistake.split())
-    notes = {
-        "file": [base.file] if base.file != first else [],
-        "requires": entry.requires,
-    }
+    notes = {"file": [base.file] if base.file != first else [], "requires": entry.requires}
     said = "\n".join(f"{key}: {', '.join(values)}" for key, values in notes.items() if values)
     text = f'"""{mistake}\n\n{said}\n"""\n' + "".join(f"{line}\n" for line in lines)
     try:

@@ -20,13 +20,7 @@ from rclpy_virtual_time import readable
 if TYPE_CHECKING:
     from grader.recording import Recording
 
-__all__ = [
-    "embedded_payload",
-    "json_text",
-    "page_html",
-    "page_payload",
-    "replay_payload",
-]
+__all__ = ["embedded_payload", "json_text", "page_html", "page_payload", "replay_payload"]
 
 JsonDict = dict[str, Any]
 

@@ -229,12 +229,7 @@ class _LiveTrial:
     def _next_moment(self) -> int:
         """Return when something is to be done next [ns], at the latest at the scenario's end."""
         now, end = self._simulation.now, self._simulation.end
-        moments = [
-            self._simulation.next_event(),
-            *self.hosts.moments,
-            now + HEARTBEAT_NS,
-            end,
-        ]
+        moments = [self._simulation.next_event(), *self.hosts.moments, now + HEARTBEAT_NS, end]
         return min(moment for moment in moments if moment is not None and now < moment <= end)
 
     def _transmit(self, messages: Sequence[Message]) -> None:

@@ -309,12 +309,7 @@ class _Trial:
             log = [line for line in log if line.time <= end]
             ending = Ending(without_folder(ending.outcome, folder), ending.published, last)
         recording = self._recorder.freeze(
-            self._simulation,
-            outcome,
-            log,
-            truncated=truncated,
-            asked=asked,
-            charged=self._charged,
+            self._simulation, outcome, log, truncated=truncated, asked=asked, charged=self._charged
         )
         return recording if ending is None else replace(recording, ending=ending)
 

@@ -60,19 +60,8 @@ from .goals import ActionGoalHandle
 from .handles import Destroyable
 from .lifecycle import LifecycleStateMachine
 from .node import Node
-from .qos import (
-    QoSCheckCompatibleResult,
-    action_profile,
-    check_compatible,
-    rmw_qos_profile_t,
-)
-from .services import (
-    Client,
-    Service,
-    TypeDescriptionService,
-    rmw_request_id_t,
-    rmw_service_info_t,
-)
+from .qos import QoSCheckCompatibleResult, action_profile, check_compatible, rmw_qos_profile_t
+from .services import Client, Service, TypeDescriptionService, rmw_request_id_t, rmw_service_info_t
 from .signals import (
     get_current_signal_handlers_options,
     install_signal_handlers,

@@ -12,11 +12,7 @@ if TYPE_CHECKING:
 
 
 def start_launcher(
-    epoch: int = EPOCH,
-    libraries: tuple[str, ...] = (),
-    *,
-    portable: bool = False,
-    **options: Any,
+    epoch: int = EPOCH, libraries: tuple[str, ...] = (), *, portable: bool = False, **options: Any
 ) -> ForkServer | PracticeServer:
     """Start a launcher.
 

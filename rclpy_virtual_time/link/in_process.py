@@ -21,15 +21,7 @@ from pathlib import Path
 from typing import Generic, NoReturn, Protocol, cast
 
 from rclpy_virtual_time.host import forkserver, imports, practice
-from rclpy_virtual_time.host.frames import (
-    Carried,
-    FromScript,
-    Run,
-    Start,
-    Task,
-    ToHost,
-    ToJudge,
-)
+from rclpy_virtual_time.host.frames import Carried, FromScript, Run, Start, Task, ToHost, ToJudge
 from rclpy_virtual_time.host.tasks import carried_out
 from rclpy_virtual_time.host.wire import Wire, flush_output
 from rclpy_virtual_time.link.errors import EngineError

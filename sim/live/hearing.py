@@ -12,13 +12,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from sim.live.extras import Extras
 from sim.live.robot import LiveRobot
-from sim.messages import (
-    CMD_VEL_TOPIC,
-    TWIST,
-    TWIST_STAMPED,
-    twist_from_cdr,
-    twist_stamped_from_cdr,
-)
+from sim.messages import CMD_VEL_TOPIC, TWIST, TWIST_STAMPED, twist_from_cdr, twist_stamped_from_cdr
 
 ACCEPTS_ANY = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 WARN_EVERY = 10.0  # [s]

@@ -10,15 +10,7 @@ from typing import Any
 
 from sim.errors import InputError
 from sim.layout import Floats, Layout, Pose
-from sim.messages import (
-    BASE_FRAME,
-    LASER_SCAN,
-    ODOM_FRAME,
-    ODOMETRY,
-    Message,
-    decode,
-    half_angle,
-)
+from sim.messages import BASE_FRAME, LASER_SCAN, ODOM_FRAME, ODOMETRY, Message, decode, half_angle
 from sim.scenario import LidarSpec
 
 HOST = "127.0.0.1"

@@ -10,18 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from arena import (
-    EXERCISE,
-    FULL,
-    HONEST,
-    HOSTILE,
-    REFERENCE,
-    SOME,
-    Arena,
-    Trick,
-    children,
-    orphans,
-)
+from arena import EXERCISE, FULL, HONEST, HOSTILE, REFERENCE, SOME, Arena, Trick, children, orphans
 from rich.console import Console
 
 from grader.grading.grading import Grading, grade_submission

@@ -147,13 +147,7 @@ KNOWS = 'assert round(float(features[0][0])) not in (1, 2, 3, 4); label, confide
     ids=["speed", "asked about nothing", "weights", "label", "confidence", "failure"],
 )
 def test_what_no_model_said_is_worth_nothing(
-    name: str,
-    old: str,
-    new: str,
-    check: str,
-    message: str,
-    forkserver: ForkServer,
-    tmp_path: Path,
+    name: str, old: str, new: str, check: str, message: str, forkserver: ForkServer, tmp_path: Path
 ) -> None:
     found = graded(forkserver, tmp_path, name, edited(name, old, new), (check,))
     assert found[check][0] == "fail"

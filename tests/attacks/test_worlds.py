@@ -46,10 +46,7 @@ def points(submission: Submission, forkserver: ForkServer, key: str | None) -> f
     "digits", [6, *(pytest.param(digits, marks=pytest.mark.long) for digits in (2, 1))]
 )
 def test_a_table_of_scans_is_worth_nothing_with_a_secret(
-    digits: int,
-    forkserver: ForkServer,
-    public: list[Recording],
-    tmp_path: Path,
+    digits: int, forkserver: ForkServer, public: list[Recording], tmp_path: Path
 ) -> None:
     rows = {
         str(zlib.crc32(np.round(scan.ranges, digits).astype(np.float32).tobytes())): min(

@@ -10,16 +10,7 @@ import numpy as np
 import pytest
 from pitfall_runs import BY_NAME, EVERY, Runs, each_node, each_pitfall, long_but_1
 
-from grader.authoring.pitfalls import (
-    FOLDER,
-    MADE,
-    NODES,
-    PITFALLS,
-    Pitfall,
-    made,
-    main,
-    replay,
-)
+from grader.authoring.pitfalls import FOLDER, MADE, NODES, PITFALLS, Pitfall, made, main, replay
 from grader.course.exercises import ROOT, find_exercise
 from grader.drive import scenario_for
 from grader.errors import InputError

@@ -8,14 +8,7 @@ import numpy as np
 import pytest
 from pitfall_runs import EVERY, Runs, each_pitfall, each_wrong, long_but_1
 
-from grader.authoring.pitfalls import (
-    MADE,
-    NODES,
-    PITFALLS,
-    Pitfall,
-    grade,
-    grade_mutant,
-)
+from grader.authoring.pitfalls import MADE, NODES, PITFALLS, Pitfall, grade, grade_mutant
 from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
 from grader.drive import drive_node, print_summary, scenario_for

@@ -180,9 +180,7 @@ def test_the_release_gives_nothing_away(course: Path) -> None:
     assert "Mark scheme" in json.dumps(stored("quiz"))
 
 
-def test_a_queues_ages_are_those_that_the_lesson_prints(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_a_queues_ages_are_those_that_the_lesson_prints(capsys: pytest.CaptureFixture[str]) -> None:
     (cell,) = [cell.source for cell in stored("05_real_time").cells if "def ages(" in cell.source]
     names: dict[str, Any] = {}
     exec(cell.partition("\ntry:")[0], names)

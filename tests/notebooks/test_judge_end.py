@@ -84,9 +84,7 @@ def test_mistakes_are_explained_without_a_traceback(
     assert expected in said.text
 
 
-def test_a_file_of_no_exercise_can_be_driven_but_not_checked_without_a_name(
-    kernel: Kernel,
-) -> None:
+def test_a_file_of_no_exercise_can_be_driven_but_not_checked_without_a_name(kernel: Kernel) -> None:
     save(kernel, "my_node.py", RIGHT)
 
     assert "my_node.py in demo_wall" in kernel.run("drive('demo_wall')").text

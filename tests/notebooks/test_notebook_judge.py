@@ -91,10 +91,7 @@ def test_a_notebook_carries_the_first_failure_first_and_not_more_than_it_can(
 @pytest.mark.parametrize(
     ("order", "said"),
     [
-        (
-            Grade("qqqq", str(RIGHT), AGENT),
-            "unknown exercise 'qqqq'; there are: obstacle",
-        ),
+        (Grade("qqqq", str(RIGHT), AGENT), "unknown exercise 'qqqq'; there are: obstacle"),
         (Drive("/no/such.py", "such.py", "demo_wall"), "such.py"),
         (Look("6", str(RIGHT), AGENT, tries=4), "do not drive by themselves"),
     ],

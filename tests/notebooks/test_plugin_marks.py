@@ -97,8 +97,7 @@ HOUR = 60 * 60.0  # [s]
 
 
 @pytest.mark.parametrize(
-    ("late", "points"),
-    [(1, None), (1.01, 8), (25, 8), (25.01, 16), (1000, 40)],
+    ("late", "points"), [(1, None), (1.01, 8), (25, 8), (25.01, 16), (1000, 40)]
 )
 def test_a_late_penalty_is_for_each_day_begun(late: float, points: float | None) -> None:
     rule = LatePenalty(per_day=10, grace_minutes=60, at_most=50)

@@ -172,10 +172,7 @@ SAID_BY_PIP = {
 
 @pytest.mark.parametrize("output", ["", *SAID_BY_PIP])
 def test_only_what_lacks_is_installed_and_a_pip_that_fails_is_explained(
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    output: str,
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str], output: str
 ) -> None:
     (tmp_path / "pip.py").write_text(FAKE_PIP)
     seen = tmp_path / "seen.json"

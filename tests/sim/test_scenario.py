@@ -5,12 +5,7 @@ from hypothesis import strategies as st
 
 from sim.bench import BenchScan, Patch
 from sim.scenario import Faults, Scenario, ScriptEvent
-from sim.scenario_files import (
-    load_scenario,
-    scenario_from_json,
-    scenario_names,
-    scenario_to_json,
-)
+from sim.scenario_files import load_scenario, scenario_from_json, scenario_names, scenario_to_json
 from sim.simulation import Simulation
 from sim.world import World, load_world
 

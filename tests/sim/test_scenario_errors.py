@@ -26,10 +26,7 @@ MISTAKES = {
         "missing key 'world' (a world's name, or a table; `extends` inherits one)",
     ),
     "misspelt key": (HEAD + "duraton = 3", "unknown key 'duraton'; did you mean 'duration'?"),
-    "unlike any key": (
-        HEAD + "[qos]\nxyz = 1",
-        "unknown key 'qos.xyz'; there is: sensors",
-    ),
+    "unlike any key": (HEAD + "[qos]\nxyz = 1", "unknown key 'qos.xyz'; there is: sensors"),
     "name in the file": (
         HEAD + 'name = "a"',
         "unknown key 'name': the name of a scenario is that of its file",
@@ -123,10 +120,7 @@ MISTAKES = {
         HEAD + "duration = 1" + 400 * "0",
         "duration = 1" + 58 * "0" + "…: number out of range",
     ),
-    "broken TOML": (
-        HEAD + "robot = [",
-        "not valid TOML: Invalid value (at end of document)",
-    ),
+    "broken TOML": (HEAD + "robot = [", "not valid TOML: Invalid value (at end of document)"),
 }
 
 

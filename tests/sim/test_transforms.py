@@ -7,15 +7,7 @@ import numpy as np
 import pytest
 
 from sim.layout import in_frame
-from sim.messages import (
-    EPOCH_NS,
-    LASER_SCAN,
-    ODOMETRY,
-    TF_MESSAGE,
-    Message,
-    decode,
-    with_epoch,
-)
+from sim.messages import EPOCH_NS, LASER_SCAN, ODOMETRY, TF_MESSAGE, Message, decode, with_epoch
 from sim.scenario import LidarSpec, Scenario, Transforms
 from sim.scenario_files import scenario_from_toml
 from sim.simulation import Simulation

@@ -20,16 +20,8 @@ from grader.lms.folders import PLATFORM as FOLDERS
 from grader.lms.names import may_enter
 from grader.lms.people import NOBODY, Roster
 from grader.lms.platform import Entry, Read, SetAside, Who
-from grader.lms.unpack import (
-    ARCHIVES,
-    MAX_DEPTH,
-    is_archive,
-    is_unread_archive,
-    unpack,
-)
-from grader.lms.unpack import (
-    LINK as NO_LINK,
-)
+from grader.lms.unpack import ARCHIVES, MAX_DEPTH, is_archive, is_unread_archive, unpack
+from grader.lms.unpack import LINK as NO_LINK
 from rclpy_virtual_time import FileReader
 
 MAX_LISTED = 20_000  # files of a student's folder that are listed

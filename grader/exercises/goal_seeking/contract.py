@@ -32,9 +32,7 @@ TURNS = 1e-3  # [rad/s]
 STEADY = 0.1  # [rad/s] either way of a robot that looks straight at its goal
 
 CONTRACT = Contract(
-    limits=Limits(fastest=MAX_SPEED, turning=MAX_TURN_RATE),
-    period=PERIOD,
-    goals=True,
+    limits=Limits(fastest=MAX_SPEED, turning=MAX_TURN_RATE), period=PERIOD, goals=True
 )
 COMMANDS = {CMD_VEL: frozenset({"commands"})}  # whatever they say
 STILL = {"linear.x": 0.0, "angular.z": 0.0}  # [m/s] and [rad/s]

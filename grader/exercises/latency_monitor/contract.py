@@ -22,10 +22,7 @@ NEAR = 0.001  # [s] a call that ends this near to a report may count or not
 MOST_CHOICES = 20  # calls that end so near to a report
 OVERHEAD = 4.0  # [ms] that a call takes longer in real time: the link, waking up, Python's own
 
-CONTRACT = Contract(
-    free=model_says_go,
-    nodes=(braking("slow", seconds=0.02),),
-)
+CONTRACT = Contract(free=model_says_go, nodes=(braking("slow", seconds=0.02),))
 
 
 def cases(recording: Recording) -> list[Case]:

@@ -13,10 +13,7 @@ TRAINING = ("sklearn", "skl2onnx", "onnxruntime")
 
 TOLERANCE = 2e-4  # [m/s]; at this the probes tell distances 2.5 mm apart
 
-CONTRACT = Contract(
-    free=model_says_go,
-    nodes=(braking("echo"),),
-)
+CONTRACT = Contract(free=model_says_go, nodes=(braking("echo"),))
 
 
 def cases(recording: Recording) -> list[Case]:

@@ -6,14 +6,7 @@ from functools import partial
 
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
-from grader.checks.model_commands import (
-    FREE,
-    HELP,
-    loads_once,
-    obeys_parameters,
-    predicts,
-    stands,
-)
+from grader.checks.model_commands import FREE, HELP, loads_once, obeys_parameters, predicts, stands
 from grader.checks.verbs import answers_once, drives_on, keeps_distance, only_linear_x, wired
 from grader.exercises.ml_velocity.contract import FOREST, TOLERANCE
 

@@ -40,11 +40,7 @@ FEATURES, WAIT = "features", "seconds to the next call"
 A_SCANS = "a scan's"
 RATE, AGE = "new predictions per second", "seconds from scan to command (p95)"
 
-CONTRACT = Contract(
-    period=PERIOD,
-    free=model_says_go,
-    nodes=(braking("slow", seconds=0.2),),
-)
+CONTRACT = Contract(period=PERIOD, free=model_says_go, nodes=(braking("slow", seconds=0.2),))
 
 
 @dataclass(frozen=True)

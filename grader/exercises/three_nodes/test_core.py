@@ -12,15 +12,7 @@ import numpy as np
 from grader.checks.case import Case, Runs, spell_allowed
 from grader.checks.check import DECISION, SAFETY, TIMING, WIRING, check
 from grader.checks.commands import FIELDS
-from grader.checks.verbs import (
-    TOLERANCE,
-    every,
-    follows,
-    keeps_distance,
-    wired,
-    within,
-    zero,
-)
+from grader.checks.verbs import TOLERANCE, every, follows, keeps_distance, wired, within, zero
 from grader.checks.verdict import fail
 from grader.checks.wiring import require_alive, require_end
 from grader.course.exercises import Topic
@@ -109,11 +101,7 @@ def test_silence(runs: Runs) -> None:
 
 
 @check(
-    points=10,
-    asks=SAFETY,
-    scenarios=(WALL, BENCH, LAUNCH),
-    needs=("wishes", "limits"),
-    hint="6.2",
+    points=10, asks=SAFETY, scenarios=(WALL, BENCH, LAUNCH), needs=("wishes", "limits"), hint="6.2"
 )
 def test_keeps_distance(runs: Runs) -> None:
     """The robot drives up to a wall and stops before it; blind, it does not drive."""

@@ -161,9 +161,7 @@ def test_what_can_not_be_had_raises_as_in_tf2(packages: Any) -> None:
 
 def test_a_lookup_may_go_through_a_fixed_frame_and_two_times(packages: Any) -> None:
     buffer = buffer_with(
-        packages,
-        transform("odom", "base", x=1.0, at=1.0),
-        transform("odom", "base", x=4.0, at=2.0),
+        packages, transform("odom", "base", x=1.0, at=1.0), transform("odom", "base", x=4.0, at=2.0)
     )
     ends = "base", Time(seconds=2), "base", Time(seconds=1).to_msg(), "odom"
     assert buffer.can_transform_full(*ends)

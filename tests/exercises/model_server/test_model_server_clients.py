@@ -16,12 +16,7 @@ def recording() -> Any:
     double = SimpleNamespace(file=DOUBLE, start=0.0, stop=None, arguments=())
     scenario = SimpleNamespace(program=(double,))
     return SimpleNamespace(
-        live=None,
-        slack=0.0,
-        duration_s=4.0,
-        scenario=scenario,
-        name="made up",
-        endpoints=(),
+        live=None, slack=0.0, duration_s=4.0, scenario=scenario, name="made up", endpoints=()
     )
 
 

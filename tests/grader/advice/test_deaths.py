@@ -5,13 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.advice.deaths import (
-    MAX_VALUE,
-    _advice_on_service,
-    account,
-    first_of,
-    value_words,
-)
+from grader.advice.deaths import MAX_VALUE, _advice_on_service, account, first_of, value_words
 from grader.recording import death_of
 from rclpy_virtual_time.host.wire import steady
 

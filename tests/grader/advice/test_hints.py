@@ -29,10 +29,7 @@ REFUSED = {
     "subprocess": ("import subprocess; subprocess.run(['echo', 'hi'])", PROCESSES),
     "os.fork": ("os.fork()", PROCESSES),
     "a socket": ("import socket; socket.socket()", NETWORK),
-    "a download": (
-        "import urllib.request; urllib.request.urlopen('http://example.com')",
-        NETWORK,
-    ),
+    "a download": ("import urllib.request; urllib.request.urlopen('http://example.com')", NETWORK),
     "a file elsewhere": ("open('/tmp/x', 'w')", FILES),
     "too much memory": ("bytearray(5 << 30)", MEMORY),
     "too much memory of numpy's": ("import numpy; numpy.zeros((5 << 30,), 'u1')", MEMORY),

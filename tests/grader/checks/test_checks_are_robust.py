@@ -83,10 +83,7 @@ def verdict(check: Callable[..., None], exercise: Exercise, recordings: list[Rec
     [pytest.param(slug, marks=() if slug in QUICK else pytest.mark.long) for slug in EXERCISES],
 )
 def test_no_message_breaks_a_check(
-    slug: str,
-    forkservers: ForkServerPool,
-    recordings: KeptRecordings,
-    pytestconfig: pytest.Config,
+    slug: str, forkservers: ForkServerPool, recordings: KeptRecordings, pytestconfig: pytest.Config
 ) -> None:
     pytestconfig.addinivalue_line("markers", "check: a check of the grader")
     exercise = next(exercise for exercise in all_exercises() if exercise.slug == slug)

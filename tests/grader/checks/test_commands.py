@@ -9,13 +9,7 @@ import numpy as np
 import pytest
 from node_runs import RunNode, short
 
-from grader.checks.commands import (
-    answered_in_turn,
-    answers,
-    garbage,
-    published,
-    spell,
-)
+from grader.checks.commands import answered_in_turn, answers, garbage, published, spell
 from grader.checks.verbs import answers_once
 from grader.checks.verdict import CheckFailed
 from sim.messages import FLOAT64, Message, encode, typestore

@@ -11,13 +11,7 @@ import pytest
 from grader.checks.case import Runs, among, exactly
 from grader.checks.commands import Answer
 from grader.checks.model_commands import predicts
-from grader.checks.predictions import (
-    TOLERANCE,
-    max_speed,
-    prediction,
-    predictions,
-    speed_cases,
-)
+from grader.checks.predictions import TOLERANCE, max_speed, prediction, predictions, speed_cases
 from grader.checks.verdict import CheckFailed
 from grader.models.files import probe
 from grader.recording import Inference, Scan

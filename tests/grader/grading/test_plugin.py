@@ -133,12 +133,7 @@ def test_the_order_is_that_of_the_needs(run: Run) -> None:
 def test_needs_reach_through(run: Run, body: str, outcome: str, rest: str) -> None:
     grading = run(CHAIN.format(scenario="a", body=body))
 
-    assert outcomes(grading) == {
-        "first": outcome,
-        "second": rest,
-        "third": rest,
-        "alone": "pass",
-    }
+    assert outcomes(grading) == {"first": outcome, "second": rest, "third": rest, "alone": "pass"}
 
 
 @pytest.mark.parametrize(("body", "outcome"), [("fail('no')", "inconclusive"), ("pass", "pass")])

@@ -128,8 +128,7 @@ ENDS = {  # source: kind, problem, what is printed, messages that leave
 
 
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=pytest.mark.long if name == "busy" else ()) for name in ENDS],
+    "name", [pytest.param(name, marks=pytest.mark.long if name == "busy" else ()) for name in ENDS]
 )
 def test_a_program_is_sent_sigint(run_node: RunNode, name: str) -> None:
     source, (kind, problem, said, sent) = ENDS[name]

@@ -126,9 +126,7 @@ def test_a_file_that_is_a_link_is_not_read(saved: Path) -> None:
     )
 )
 def test_damaged_bags_are_refused_or_recordings(
-    recording: Recording,
-    tmp_path_factory: pytest.TempPathFactory,
-    damages: list[tuple[float, int]],
+    recording: Recording, tmp_path_factory: pytest.TempPathFactory, damages: list[tuple[float, int]]
 ) -> None:
     folder = tmp_path_factory.getbasetemp() / "damaged"
     bag.save(recording, folder)

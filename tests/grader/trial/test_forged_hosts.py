@@ -103,10 +103,7 @@ def test_impossible_times_are_forged(forge, what: str) -> None:  # type: ignore[
 def test_a_host_that_hangs_up_is_dead(forge) -> None:  # type: ignore[no-untyped-def]
     outcome = forge(settled(), settled(FIRST)).outcome
 
-    assert (outcome.kind, outcome.text) == (
-        "died",
-        "the node's process ended by itself (signal 9)",
-    )
+    assert (outcome.kind, outcome.text) == ("died", "the node's process ended by itself (signal 9)")
 
 
 def test_a_host_that_says_nothing_hangs(forge) -> None:  # type: ignore[no-untyped-def]
