@@ -152,7 +152,6 @@ def release(
     archive: bool = False,
     make: Make | None = None,
     more: Mapping[str, bytes] | None = None,
-    root: Path = ROOT,
 ) -> list[Leak]:
     """Write the students' material into `folder`; return the skeletons that hold earlier answers.
 
@@ -176,7 +175,7 @@ def release(
     """
     packed = folder.with_name(folder.name + ".zip")
     _check_free(folder, packed if archive else None)
-    files = contents(exercises, root, make) | dict(more or {})
+    files = contents(exercises, ROOT, make) | dict(more or {})
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix=".release-") as name:
         staged = Path(name) / "course"
@@ -184,7 +183,7 @@ def release(
             target = staged / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(data)
-        found = leaks(staged, root / SOLUTIONS.name)
+        found = leaks(staged, SOLUTIONS)
         wrong = [leak for leak in found if not leak.earlier]
         if wrong:
             raise GraderError(f"nothing was released: {wrong[0]}" + _and_more(len(wrong) - 1))

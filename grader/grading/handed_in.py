@@ -53,7 +53,6 @@ def grade_files(
     *,
     seed: Seed | None = None,
     field: bool = False,
-    tier: int = 1,
     bags: Path | None = None,
     trust: bool = False,
 ) -> dict[str, Any]:
@@ -91,7 +90,6 @@ def grade_files(
                     field=field,
                     seed=seed,
                     bags=bags,
-                    tier=tier,
                 )
                 if grading.faults:
                     _forkservers.close()  # the fault may be theirs, and would be the next one's

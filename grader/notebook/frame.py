@@ -15,7 +15,7 @@ html[theme="light"] iframe.course-replay { color-scheme: light; }
 </style>"""
 
 
-def frame_html(page: str, *, title: str, height: int = HEIGHT) -> str:
+def frame_html(page: str, *, title: str) -> str:
     """Return an inline frame with a page; it needs no URL, no network and no widgets.
 
     The frame is sandboxed: what a student's node wrote into the page can't reach the notebook.
@@ -23,7 +23,7 @@ def frame_html(page: str, *, title: str, height: int = HEIGHT) -> str:
     return (
         f'{STYLE}<iframe class="course-replay" srcdoc="{html.escape(page)}" '
         f'title="{html.escape(title)}" '
-        f'sandbox="allow-scripts" loading="lazy" width="100%" height="{height}" '
+        f'sandbox="allow-scripts" loading="lazy" width="100%" height="{HEIGHT}" '
         'style="border:1px solid rgba(128,128,128,.35);border-radius:8px;'
         'max-width:1180px;display:block"></iframe>'
     )

@@ -26,16 +26,14 @@ if not {namespaces}:
 """
 
 
-def run_as_ordinary(
-    script: str, *, namespaces: bool = True, stdin: int = subprocess.DEVNULL
-) -> subprocess.Popen[str]:
+def run_as_ordinary(script: str, *, namespaces: bool = True) -> subprocess.Popen[str]:
     """Start a script as an ordinary user, who may make user namespaces or not."""
     paths = [str(ROOT), *(path for path in sys.path if Path(path).is_relative_to(ROOT))]
     boot = BOOT.format(paths=paths, namespaces=namespaces)
     return subprocess.Popen(
         [sys.executable, "-B", "-c", boot + script],
-        stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd="/",
-        env={"PATH": "/usr/bin:/bin", "TMPDIR": "/tmp", "HOME": "/tmp"},
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        cwd="/", env={"PATH": "/usr/bin:/bin", "TMPDIR": "/tmp", "HOME": "/tmp"},
     )  # fmt: skip
 
 

@@ -126,10 +126,9 @@ class Town:
         self.folder, self._stack = folder, stack
         self._env = variables(domain, folder)
 
-    def robot(self, *arguments: str, ready: bool = True) -> Process:
+    def robot(self, *arguments: str) -> Process:
         process = self._start(["-m", "sim", *arguments])
-        if ready:
-            process.wait_for("Ctrl+C ends")
+        process.wait_for("Ctrl+C ends")
         return process
 
     def teleop(self, linear: float, angular: float, *words: str) -> Process:

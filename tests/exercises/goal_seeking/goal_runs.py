@@ -11,9 +11,7 @@ from grader.recording.views import Goals, Odom, Twists
 Rows = Sequence[tuple[float, ...]]
 
 
-def recorded(
-    poses: Rows = (), goals: Rows = (), said: Rows = (), *, bench: bool = False, end: float = 6.0
-) -> Any:
+def recorded(poses: Rows = (), goals: Rows = (), said: Rows = (), *, bench: bool = False) -> Any:
     """Return a run with (t, x, y, yaw), (t, x, y), and commands (t, linear.x, angular.z)."""
     t, x, y, yaw = np.array(poses, dtype=float).reshape(-1, 4).T
     when, speed, turn = np.array(said, dtype=float).reshape(-1, 3).T
@@ -26,7 +24,7 @@ def recorded(
         times=lambda _: when,
         truth=SimpleNamespace(t=t * 1e9, x=x, y=y, yaw=yaw),
         scenario=SimpleNamespace(script=(), odometry=SimpleNamespace(enabled=not bench)),
-        duration_s=end,
+        duration_s=6.0,
         name="goal_turns",
         outcome=SimpleNamespace(completed=True),
         slack=0.0,

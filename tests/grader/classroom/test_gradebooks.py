@@ -21,7 +21,7 @@ from grader.classroom.intake.candidates import find_class
 from grader.classroom.options import Options
 from grader.classroom.results.options import ResultOptions, column_titles
 from grader.classroom.results.write import write_results
-from grader.classroom.row import ABSENT, HELD, StoredResult
+from grader.classroom.row import ABSENT, StoredResult
 from grader.errors import InputError
 from grader.lms.book import Book, Handed, StudentRow
 from grader.lms.canvas import canvas_csv
@@ -41,7 +41,7 @@ def absent(student: str) -> StoredResult:
 
 
 def taken(
-    place: Path, names: Iterable[str], *sheets: str, held: str = ""
+    place: Path, names: Iterable[str], *sheets: str
 ) -> tuple[list[StoredResult], dict[str, Any]]:
     """A class as intake makes it of a download: who handed in has 60 points, and Bob 37."""
     put(place / "in", *names)
@@ -53,7 +53,6 @@ def taken(
         graded(student, 37 if "Bob" in student else 60) if one.files else absent(student)
         for (student, _), one in found.candidates.items()
     ]
-    results = [replace(one, state=HELD) if one.student == held else one for one in results]
     return results, {"students": {row.student: row for row in found.students}, "roster": roster}
 
 
