@@ -30,9 +30,8 @@ class Finder(Loader):
     def find_spec(self, name: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
         """Return the module's spec; None if it is none of these."""
         package, _, kind = name.partition(".")
-        if package not in self._packages or (path is not None and not kind):
-            return None
-        if kind and not (kind in KINDS and _files(self._packages[package], kind)):
+        ours = package in self._packages and (path is None or bool(kind))
+        if not ours or (kind and not (kind in KINDS and _files(self._packages[package], kind))):
             return None
         return ModuleSpec(name, self, is_package=not kind)
 

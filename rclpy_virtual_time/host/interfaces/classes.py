@@ -63,10 +63,8 @@ def _add_action(made: dict[str, Any], action: idl.Action) -> None:
 
 
 def _made(made: dict[str, Any], message: idl.Message) -> Any:
-    type_ = message.structure.namespaced_type
-    if type_.name not in made:
-        made[type_.name] = _class(message)
-    return made[type_.name]
+    name = message.structure.namespaced_type.name
+    return made.get(name) or made.setdefault(name, _class(message))
 
 
 def _add_group(

@@ -161,8 +161,8 @@ def _support(name: str, cls: Any) -> Support:
 def _about(name: str, cls: Any) -> list[Any]:
     """Return the functions that tell a type's hash, its description and its sources."""
     type_hash = Hash(1, (c_uint8 * 32)(*definitions.rihs01(name, cls)))
-    told = (type_hash, _description(name, cls), Sequence())
-    return [_function(About(_constant(each))) for each in told]
+    told = map(_address, (type_hash, _description(name, cls), Sequence()))
+    return [_function(About(lambda _, at=at: at)) for at in told]
 
 
 def _handle(supports: dict[bytes, Any]) -> Any:
@@ -287,11 +287,6 @@ def _cdr_functions() -> tuple[Any, Any, Any]:
     write = library["_ZN8eprosima7fastcdr3Cdr15serialize_arrayEPKcm"]
     write.restype, write.argtypes = c_void_p, [c_void_p, c_char_p, c_size_t]
     return position, start, write
-
-
-def _constant(thing: Structure) -> Any:
-    address = _address(thing)
-    return lambda support: address
 
 
 def _address(thing: Structure) -> int:

@@ -1,11 +1,10 @@
 """A package of interfaces beside the node's: its topics, services and actions are there."""
 
-import textwrap
-from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 from command_line import ROOT, course
+from laid_packages import lay
 
 from grader.course.submission import find_submission
 
@@ -13,10 +12,8 @@ MANIFEST = "<package><name>{}</name></package>"
 INTERFACES = {
     "our_types/package.xml": MANIFEST.format("our_types"),
     "our_types/CMakeLists.txt": """
-        find_package(rosidl_default_generators REQUIRED)
         set(files "msg/Seen.msg" "srv/Ask.srv")  # "msg/Unlisted.msg"
-        rosidl_generate_interfaces(${PROJECT_NAME} ${files} "action/Count.action"
-            DEPENDENCIES std_msgs geometry_msgs)
+        rosidl_generate_interfaces(${PROJECT_NAME} ${files} "action/Count.action")
         """,
     "our_types/msg/Seen.msg": """
         uint8 NEAR=1   # closer than a metre
@@ -84,13 +81,6 @@ ROBOT = {
 }
 
 
-def lay(folder: Path, files: Mapping[str, str]) -> Path:
-    for name, text in files.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(textwrap.dedent(text).lstrip("\n"), "utf-8")
-    return folder
-
-
 def drive(path: Path, *more: str) -> str:
     done = course("drive", path, "--scenario", "demo_wall", "--duration", "1", *more)
     assert (done.code in (0, 1), done.err) == (True, "")
@@ -109,19 +99,12 @@ def test_topic_service_and_action_of_an_own_package(
 
 
 def test_a_workspace_that_is_handed_in_brings_them(tmp_path: Path) -> None:
-    name, line = (
-        "obstacle_avoidance_agent",
-        "from our_types.msg import Seen\nassert Seen.NEAR == 1\n",
-    )
+    name, line = "obstacle_avoidance_agent", "from our_types.msg import Seen\nSeen.NEAR\n"
     agent = (ROOT / "solutions" / "obstacle_avoidance" / f"{name}.py").read_text("utf-8")
-    graded = ROBOT | {
-        f"robot/robot/{name}.py": agent.replace("import rclpy\n", f"{line}import rclpy\n")
-    }
+    graded = INTERFACES | ROBOT | {f"robot/robot/{name}.py": line + agent}
     graded["robot/setup.py"] = ROBOT["robot/setup.py"].replace("both", name)
-    done = course(
-        "grade", "1", lay(tmp_path, INTERFACES | graded), "--only", "wiring", "--json", "-"
-    )
-    assert (done.json["score"], done.err) == (done.json["max_score"], "")
+    done = course("grade", "1", lay(tmp_path, graded), "--only", "wiring", "--json", "-")
+    assert 0 < done.json["score"] == done.json["max_score"], done.err
     alone = find_submission(tmp_path / "robot", f"{name}.py")  # what lies around may be another's
     assert not any("our_types" in file for file in alone.files)
 
