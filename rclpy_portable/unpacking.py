@@ -28,7 +28,8 @@ LEFT_OUT = re.compile(r"rosidl_parser/parser\.py|rosidl_adapter/(?!__init__|pars
 STAND_INS = {
     "rclpy/_rclpy_pybind11.py": (
         '"""rclpy\'s native module: the one of the portable runtime."""\n\n'
-        "from rclpy_portable.native import *  # noqa: F403\n"
+        "from rclpy_portable import native as _native\n\n"
+        "globals().update({n: v for n, v in vars(_native).items() if not n.startswith('_')})\n"
     ),
     "rosidl_generator_py/__init__.py": (
         '"""Type support of messages: the one of the portable runtime."""\n\n'
