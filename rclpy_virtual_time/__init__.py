@@ -46,44 +46,32 @@ if TYPE_CHECKING:
     from .link.scratch import fresh_folder, open_regular_file, sweep
     from .link.workplace import Excess
 
-_ROOMS = {
-    "host.advice": ("Advice",),
-    "host.desk": ("ask_judge",),
+_ROOMS = {  # and their names
+    "host.advice": "Advice",
+    "host.desk": "ask_judge",
     "host.frames": (
-        "Delivery",
-        "Discovery",
-        "Ended",
-        "EndpointReport",
-        "Note",
-        "Offer",
-        "ProgramStart",
-        "Published",
-        "Question",
-        "Run",
-        "Settled",
-        "Slept",
-        "Start",
-        "Told",
+        "Delivery Discovery Ended EndpointReport Note Offer ProgramStart Published Question "
+        "Run Settled Slept Start Told"
     ),
-    "link.cell": ("FileReader",),
-    "link.choice": ("start_launcher",),
-    "link.doctor": ("Diagnosis",),
-    "link.errors": ("DiskFull", "EngineError", "NoRos"),
-    "link.exchange": ("Flood", "HostDied", "HostForged", "HostHung"),
-    "link.foreign": ("readable",),
-    "link.hosts": ("ForkServer",),
-    "link.launcher": ("Launcher",),
-    "link.link": ("Link",),
-    "link.live_hosts": ("LiveHosts",),
-    "link.log": ("LogLine",),
-    "link.practice": ("PracticeServer",),
-    "link.programs": ("run_programs",),
-    "link.real_clock": ("real_clock",),
-    "link.ros_environment": ("RosEnvironment",),
-    "link.scratch": ("fresh_folder", "open_regular_file", "sweep"),
-    "link.workplace": ("Excess",),
+    "link.cell": "FileReader",
+    "link.choice": "start_launcher",
+    "link.doctor": "Diagnosis",
+    "link.errors": "DiskFull EngineError NoRos",
+    "link.exchange": "Flood HostDied HostForged HostHung",
+    "link.foreign": "readable",
+    "link.hosts": "ForkServer",
+    "link.launcher": "Launcher",
+    "link.link": "Link",
+    "link.live_hosts": "LiveHosts",
+    "link.log": "LogLine",
+    "link.practice": "PracticeServer",
+    "link.programs": "run_programs",
+    "link.real_clock": "real_clock",
+    "link.ros_environment": "RosEnvironment",
+    "link.scratch": "fresh_folder open_regular_file sweep",
+    "link.workplace": "Excess",
 }
-_ROOM_OF = {name: room for room, names in _ROOMS.items() for name in names}
+_ROOM_OF = {name: room for room, names in _ROOMS.items() for name in names.split()}
 
 __all__ = [
     "Advice",

@@ -60,18 +60,7 @@ SETTINGS = {
 class PracticeServer:
     """Starts hosts; a spare host is always starting, so the next trial need not wait for imports.
 
-    Parameters
-    ----------
-    epoch
-        ROS time of a scenario's start [ns].
-    libraries
-        Modules that are imported before a host is asked to work.
-    kind
-        What its hosts run: nodes in virtual time, or scripts that return.
-    advice
-        What hosts say of their programs: a subclass of `Advice`, as "module:Class".
-    workshop
-        What `libraries` is, for the hosts of scripts.
+    Its parameters are those of `ForkServer`; it has hosts for nodes in virtual time, and scripts.
     """
 
     layers: tuple[str, ...] = ()  # of isolation
