@@ -47,4 +47,4 @@ def never_run() -> str:
     if RosEnvironment.is_tried():
         return ""
     here = f"{platform.system()} on {platform.machine()}"
-    return f"The course has never been run on {here} yet. Please tell what you see."
+    return f"The course has never been run on a real {here} yet. Please tell what you see."

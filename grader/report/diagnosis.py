@@ -31,7 +31,7 @@ PRACTICE_HERE = (
     "It is for practice. Your instructor's grade comes from the real rclpy on Linux; "
     "docs/portable.md in the course's repository says how the two were compared.",
     "Nothing isolates a node here: your own code only. course autograde, --tier 2 and the fixture "
-    "virtual_time need Linux.",
+    "virtual_time need the real rclpy.",
 )
 
 

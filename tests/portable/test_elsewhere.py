@@ -71,7 +71,7 @@ def test_doctor_explains() -> None:
     said = " ".join(done.stdout.split())
     assert "The real rclpy can't run here" in said
     assert "portable: rclpy's own Python, for practice" in said and "extra `ml`" in said
-    assert "course autograde, --tier 2 and the fixture virtual_time need Linux" in said
+    assert "course autograde, --tier 2 and the fixture virtual_time need the real rclpy" in said
 
 
 def test_a_class_is_refused(tmp_path: Path) -> None:
