@@ -105,7 +105,11 @@ workspace: $(VENV)/.dev ## fetch and build what runs exercises in the site's pag
 	mkdir -p build/packages
 	$(BIN)/python -m workspace.build build/workspace build/packages $(PYTHON312)
 
-lite: workspace ## the notebooks for the browser, with JupyterLite, on top of the workspace
+build/workspace/manifest.json: $(VENV)/.dev $(wildcard $(shell git ls-files \
+  exercises grader rclpy_portable rclpy_virtual_time sim workspace 2>/dev/null))
+	$(MAKE) workspace
+
+lite: build/workspace/manifest.json ## the notebooks for the browser, with JupyterLite, on top of the workspace
 	$(BIN)/python -m workspace.lite build/lite build/packages build/workspace
 
 assignments: $(VENV)/.dev ## write the notebooks, solutions and all, into notebooks/source for nbgrader

@@ -48,6 +48,7 @@ def main(arguments: list[str]) -> int:
         _lite(work, plan["exercises"])
         _pyodide(work / "out" / "static" / "pyodide", cache, modules)
         _pack_notebook(work)
+        _own_scripts(work / "out")
         shutil.rmtree(out, ignore_errors=True)
         shutil.move(work / "out", out)
     size = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
@@ -133,6 +134,22 @@ def _pack_notebook(work: Path) -> None:
             (work / "room" / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, work / "room" / name)
     pack(work / "out" / "static" / "notebook.pack", work / "room")
+
+
+def _own_scripts(out: Path) -> None:
+    """Say how far a kernel's start is, and keep what it loads for a visit without a network."""
+    pyodide = out / "static" / "pyodide"
+    sizes = {f"static/pyodide/{path.name}": path.stat().st_size for path in pyodide.iterdir()}
+    loading, offline = ((HERE / "kernel" / name).read_text("utf-8")
+                        for name in ("loading.js", "offline.js"))  # fmt: skip
+    (out / "loading.js").write_text(loading.replace("SIZES = {}", f"SIZES = {json.dumps(sizes)}"))
+    worker = out / "service-worker.js"
+    worker.write_text(offline + worker.read_text("utf-8"))
+    for app in ("lab", "notebooks"):
+        page = out / app / "index.html"
+        before, end, after = page.read_text("utf-8").rpartition("</body>")
+        script = '<script type="module" src="../loading.js"></script>'
+        page.write_text(f"{before}{script}{end}{after}", "utf-8")
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ from rclpy_virtual_time import PracticeServer
 
 FOLDER = "/home/reader"  # of the node, in the worker
 PATIENCE = 30.0  # [s] without a word of a trial
+STARTED = "its worker did not start; is there a network?"
 INSTALLED = "take the installed course"
 READY = (
     "Ready: nodes run in this browser, for practice. Your instructor's grade comes from the real "
@@ -108,7 +109,7 @@ class Worker:
         self._js = js.Worker.new(f"{WORKSPACE}worker.js?{MANIFEST['worker.js']['sha256']}")
         self._js.onmessage = create_proxy(lambda event: self._hear(event.data.to_py()))
         self._js.onerror = create_proxy(
-            lambda event: self._hear({"kind": "error", "text": event.message})
+            lambda event: self._hear({"kind": "error", "text": getattr(event, "message", STARTED)})
         )
         self._ready = self._send({"call": "load", "manifest": MANIFEST})
 

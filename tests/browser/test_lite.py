@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from served_site import SLOW
+from browsers import BROWSERS
+from served_site import SLOW, served
 
 from grader.claims.mutants import find_mutant
 from grader.course.exercises import ROOT, all_exercises, find_exercise
@@ -93,3 +94,46 @@ def test_a_notebook_runs_in_the_browser_and_judges_as_course_grade(
     found = [each for each in json.loads(said) if each[0] != measured]
     assert found == [[c.id, c.outcome, c.message] for c in graded.checks if c.id != measured]
     assert page.locator(".jp-OutputArea-output iframe").count() > 0  # replays
+
+
+UNTIL = """new Promise((tell) => { const look = () => {
+  const is = globalThis.jupyterapp && %s;
+  if (is) tell(is); else setTimeout(look, 50);
+}; look(); })"""
+LOADING = "document.querySelector('#course-loading')?.textContent.match(/loading: \\d+ of \\d+ MB/)"
+OPEN = """document.querySelector('.jp-Notebook .jp-Cell')
+  && jupyterapp.shell.currentWidget?.sessionContext.isReady"""
+FIRST = """(({ content }) => {
+  content.activeCellIndex = content.widgets.findIndex(({ model }) => model.type === 'code');
+  void jupyterapp.commands.execute('notebook:run-cell');
+})(jupyterapp.shell.currentWidget)"""
+PRINTED = f"({OUTPUTS})().at(%s).flatMap(({{ text }}) => text ?? '').join('').match(%s)"
+STORED = "caches.open('course-notebooks').then((store) => store.match(location.href)).then(Boolean)"
+
+
+@pytest.mark.parametrize("name", ["chromium", "firefox"])
+def test_it_says_how_far_it_is_and_a_second_visit_needs_no_network(
+    name: str, site: Path, tmp_path: Path
+) -> None:
+    exercise = find_exercise("1")
+    (file,) = exercise.files
+    reference = f"%%node {file}\n{(exercise.solutions / file).read_text('utf-8')}"
+    texts = {f"%%node {file}": reference, "": SAYS.format(exercise.slug)}
+    with BROWSERS[name](tmp_path / "own") as tab:
+        with served(site, tmp_path / "served") as address:
+            page = f"{address}/lite/notebooks/index.html?path=01_loop.ipynb"
+            tab.open(page)
+            tab.value(UNTIL % LOADING)
+            tab.value(UNTIL % OPEN)
+            tab.value(FIRST)
+            for words in (r"/loading: part \d of 3/", "/Ready: /"):
+                tab.value(UNTIL % PRINTED % (0, words))
+            while not tab.value(STORED):
+                pass
+        tab.open(page)  # its server has ended
+        tab.value(UNTIL % OPEN)
+        tab.value(f"({RUN})({json.dumps(texts)})")
+        _, said = tab.value(UNTIL % PRINTED % (-1, "/SAID (.*)/"))
+    outcomes = {check: outcome for check, outcome, _ in json.loads(said)}
+    assert outcomes.pop("callback_time") in ("pass", "inconclusive")
+    assert set(outcomes.values()) == {"pass"}

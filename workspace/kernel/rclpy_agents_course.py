@@ -30,13 +30,16 @@ def fetched(address: str) -> bytes:
 
 MANIFEST = json.loads(fetched(f"{WORKSPACE}manifest.json"))
 PLAN = json.loads(fetched(f"{WORKSPACE}plan.json?{MANIFEST['plan.json']['sha256']}"))
-for address in (
+PARTS = (
     *(f"{WORKSPACE}{name}?{MANIFEST[name]['sha256']}" for name in ("packages.pack", "course.pack")),
     f"{LITE}/static/notebook.pack",
-):
+)
+for number, address in enumerate(PARTS, 1):
+    print(f"\rPython is here, the course is loading: part {number} of 3", end="", flush=True)
     content = io.BytesIO(gzip.decompress(fetched(address)))
     with tarfile.open(fileobj=content) as archive:
         archive.extractall(COURSE, filter="data")
 PAGE_PACKAGES = f"{COURSE}/workspace/page_packages"
+print(end="\r")
 sys.path += [COURSE, PAGE_PACKAGES, f"{PAGE_PACKAGES}/gaps"]  # what the kernel has goes first
 logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # a new list at each start
