@@ -112,8 +112,8 @@ IN_KILTED = (  # kind of an exception, what it says: a name of rclpy's that Jazz
     ("AttributeError", r"^'Action\w+' object has no attribute '(configure_introspection)'"),
     ("TypeError", r"unexpected keyword argument '(rosout_qos_profile|content_filter_options|"
      r"wait_for_threads)'"),
-    ("TypeError", r"^'(Client|Publisher|Service|Subscription|Timer|Node)' object does not support "
-     "the context"),
+    ("TypeError", r"^'(?:rclpy[\w.]+\.)?(Client|Publisher|Service|Subscription|Timer|Node)' object "
+     "does not support the context"),
 )  # fmt: skip
 FROM = {names: line for names, line in IMPORTS.items() if line.startswith("from")}
 MODULES = "math|time|json|random|statistics|threading|pickle|onnxruntime|numpy|torch|keras|joblib"

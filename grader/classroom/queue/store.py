@@ -85,6 +85,7 @@ class Store:
             self._db.execute("PRAGMA synchronous=FULL")
             version = self._db.execute("PRAGMA user_version").fetchone()[0]
             if version not in (0, SCHEMA):  # 0: an empty file
+                self._db.close()
                 raise InputError(
                     f"{path}: a store of schema {version}, expected {SCHEMA}; use the version of "
                     "the course that made it, or give another --out"
