@@ -45,7 +45,6 @@ INTERFACES = re.compile(r"\w+_(msgs|srvs|interfaces|actions?)")
 SOURCES = {  # on GitHub, of those that courses use
     "neato2_interfaces": "comprobo23/neato_packages", "vesc_msgs": "f1tenth/vesc/tree/ros2",
     "nav2_msgs": "ros-navigation/navigation2", "turtlesim": "ros/ros_tutorials",
-    "example_interfaces": "ros2/example_interfaces",
     "irobot_create_msgs": "iRobotEducation/irobot_create_msgs",
 }  # fmt: skip
 
@@ -173,7 +172,10 @@ def missing_package(name: str) -> str:
         return ""  # it is said by `plain_words`
     laid = (INTERFACES.fullmatch(name) or name in SOURCES) and name not in sys.modules
     source = f" from github.com/{SOURCES[name]}" if name in SOURCES else ""
-    lay = f"lay the folder {name}{source}, with its msg/, srv/ or action/, beside the node"
+    lay = (
+        f"lay the folder {name}{source}, with its msg/, srv/ or action/, its package.xml and "
+        "CMakeLists.txt (rosidl_generate_interfaces), beside the node"
+    )
     if name in ONLY_APT:
         return (
             f"{name} is part of ROS 2, but pip has no package of it: "
@@ -181,7 +183,7 @@ def missing_package(name: str) -> str:
             f"apt install ros-{DISTRO}-{ONLY_APT[name]}`, then `source "
             f"/opt/ros/{DISTRO}/setup.bash` before `course`"
         )
-    return f"{lay}; where the node is a package, beside that" if laid else ""
+    return f"{lay}; of a package, beside that, and hand in the folder above both" if laid else ""
 
 
 def no_package(said: str) -> str:

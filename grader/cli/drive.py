@@ -140,7 +140,7 @@ def drive(
             keys=typed,
             env=variables,
             charge_compute=charge_compute,
-            on_second_look=lambda: click.echo(
+            on_second_look=lambda: echo(
                 f"{file.name}: not in virtual time; once more in real time, which takes "
                 f"{chosen.duration:.0f} s",
                 err=True,

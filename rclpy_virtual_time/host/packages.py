@@ -31,7 +31,7 @@ class Finder(Loader):
         """Return the module's spec; None if it is none of these."""
         package, _, kind = name.partition(".")
         ours = package in self._packages and (path is None or bool(kind))
-        if not ours or (kind and not (kind in KINDS and _files(self._packages[package], kind))):
+        if not ours or (kind and kind not in KINDS):
             return None
         return ModuleSpec(name, self, is_package=not kind)
 

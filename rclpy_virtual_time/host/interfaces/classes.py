@@ -128,7 +128,7 @@ def _class(message: idl.Message) -> type:
         "__slots__": [*(f"_{field.name}" for field in fields), "_check_fields"],
         "_fields_and_field_types": {field.name: shown(field.type) for field in fields},
         "SLOT_TYPES": tuple(field.type for field in fields),
-        "_where": {f.name: where for f in fields for where in f.get_annotation_values("where")},
+        "__where__": {f.name: where for f in fields for where in f.get_annotation_values("where")},
         "__init__": __init__, "__eq__": __eq__, "__repr__": __repr__,
         "__hash__": None,  # as generated messages: they can be changed
         "get_fields_and_field_types": classmethod(types),

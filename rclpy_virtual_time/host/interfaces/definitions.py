@@ -140,7 +140,7 @@ def weigh(cls: Any, known: dict[Any, int], above: tuple[Any, ...] = ()) -> int:
         total = 0
         for name, kind in fields_of(cls):
             element = element_of(kind)
-            where = getattr(cls, "_where", {}).get(name, f"{cls.__module__}.{cls.__name__}")
+            where = getattr(cls, "__where__", {}).get(name, f"{cls.__module__}.{cls.__name__}")
             values = kind.size if isinstance(kind, idl.Array) else 1
             if isinstance(element, idl.NamespacedType):
                 values *= weigh(_found(element, where), known, (*above, cls))

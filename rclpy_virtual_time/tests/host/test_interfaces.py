@@ -154,7 +154,7 @@ def test_an_action_has_the_hash_of_rosidl(module: Any, monkeypatch: pytest.Monke
     assert f"RIHS01_{mine}" == rosidl.calculate_type_hash(whole)
 
 
-@pytest.fixture(params=["ackermann_msgs", "tf2_msgs", "vision_msgs"])
+@pytest.fixture(params=["ackermann_msgs", "example_interfaces", "tf2_msgs", "vision_msgs"])
 def package(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     monkeypatch.syspath_prepend(str(stand_ins.FOLDER))
     yield importlib.import_module(f"{request.param}.msg")

@@ -132,7 +132,10 @@ def test_a_package_of_ros_that_is_not_installed(run_node: RunNode) -> None:
         ("tf2_msgs", "`sudo apt install ros-jazzy-tf2-msgs`"),
         ("tf", "in ROS 2 it is tf2_ros"),
         ("rospy", "in ROS 2 it is rclpy"),
-        ("pizza_interfaces", "beside the node; where the node is a package, beside that"),
+        (
+            "pizza_interfaces",
+            "beside the node; of a package, beside that, and hand in the folder above both",
+        ),
         ("turtlesim", "from github.com/ros/ros_tutorials"),
         ("neato2_interfaces", "from github.com/comprobo23/neato_packages"),
     ],

@@ -22,6 +22,7 @@ INTERFACES = {
         float32[] distances
         float64[2] limits [0.5, 1.5]
         string<=8 word "none"
+        string where
         """,
     "our_types/msg/Unlisted.msg": "bool a",
     "our_types/srv/Ask.srv": "Seen seen\n---\nbool far true\nstring why",
@@ -109,6 +110,22 @@ def test_a_workspace_that_is_handed_in_brings_them(tmp_path: Path) -> None:
     assert not any("our_types" in file for file in alone.files)
 
 
+@pytest.mark.parametrize("runtime", [(), ("--portable",)])
+def test_the_tutorials_interfaces_are_there(runtime: tuple[str, ...], tmp_path: Path) -> None:
+    node = """
+    import rclpy
+    from example_interfaces.action import Fibonacci
+    from example_interfaces.srv import AddTwoInts
+    rclpy.init()
+    node = rclpy.create_node("sum")
+    node.create_service(AddTwoInts, "add", lambda q, r: AddTwoInts.Response(sum=q.a + q.b))
+    future = node.create_client(AddTwoInts, "add").call_async(AddTwoInts.Request(a=2, b=40))
+    rclpy.spin_until_future_complete(node, future)
+    print("sum", future.result().sum, Fibonacci.Goal(order=7).order)
+    """
+    assert "sum 42 7" in drive(lay(tmp_path, {"node.py": node}) / "node.py", *runtime)
+
+
 def test_a_file_takes_a_folder_beside_it(tmp_path: Path) -> None:
     line = "from our_types.msg import Seen\nprint(Seen().limits, Seen.NEAR)\n"
     assert "[0.5 1.5] 1" in drive(lay(tmp_path, {**INTERFACES, "node.py": line}) / "node.py")
@@ -130,6 +147,12 @@ def test_a_file_takes_a_folder_beside_it(tmp_path: Path) -> None:
             "bool a",
             "msg import Unlisted",
             "has no Unlisted: its folder doesn't, or",
+        ),
+        (
+            "CMakeLists.txt",
+            "rosidl_generate_interfaces(our_types msg/Seen.msg)",
+            "srv import Ask",
+            "our_types.srv has no Ask: its folder doesn't, or",
         ),
         ("msg/Seen.msg", "bool a", "other import Seen", "No module named 'our_types.other'"),
     ],

@@ -1,0 +1,1 @@
+"""A stand-in for the package example_interfaces of ROS's tutorials, which has no wheel."""
