@@ -104,6 +104,12 @@ def _said(note: Note, recording: Recording) -> str:
                 "group, which has to give or to take it, does nothing until the callback is over: "
                 "give the callback a group of its own, callback_group=MutuallyExclusive…()"
             )
+        case "waits" if more:
+            return (
+                f"{place} spins in a callback to the end, from {at:.2f} s on: what it waits for is "
+                "not called back before this callback is over; go on in a function given to "
+                "future.add_done_callback(…)"
+            )
         case "waits":
             return (
                 f"{place} waits there to the end, from {at:.2f} s on: what it waits for, a lock, "

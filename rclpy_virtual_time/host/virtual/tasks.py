@@ -83,13 +83,15 @@ def waits(kernel: Kernel) -> Iterator[Note]:
             yield msgspec.structs.replace(note, count=0)
     for ident, begin, seen in _running.values():
         thread, frame = kernel.threads[ident], sys._current_frames().get(ident)
+        spins = False
         while frame is not None and not host.is_beside(frame.f_code.co_filename):
+            spins = spins or frame.f_code.co_name.startswith("spin_until_future")
             frame = frame.f_back
         lasted = kernel.now - begin
-        in_vain = thread.parked and thread.until is None and not thread.asks
-        if frame is not None and in_vain and thread.seen == seen and lasted >= LONG:
-            place = place_of(frame.f_code, frame.f_lineno)
-            yield Note("waits", frame.f_code.co_name, place, 0, max(0, begin), lasted)
+        in_vain = thread.until is None and not thread.asks and thread.seen == seen
+        if frame is not None and thread.parked and (in_vain or spins) and lasted >= LONG:
+            place, more = place_of(frame.f_code, frame.f_lineno), "spins" * spins
+            yield Note("waits", frame.f_code.co_name, place, 0, max(0, begin), lasted, more)
 
 
 def _wait(task: Any, since: int, now: int) -> Note | None:

@@ -113,6 +113,9 @@ SAID = [
      "def keep(scan): lock.acquire()\n"
      "node.create_subscription(LaserScan, '/scan', keep, 10)\nspin(node, threads=2)",
      r"keep \(node.py, line \d+\) waits there to the end, from 0.\d+ s on"),
+    ("def ask(scan): rclpy.spin_until_future_complete(node, rclpy.task.Future())\n"
+     "node.create_subscription(LaserScan, '/scan', ask, 10)\nspin(node)",
+     r"ask \(node.py, line \d+\) spins in a callback to the end, from 0.\d+ s on"),
     ("event = threading.Event()\n"
      "threading.Timer(1.5, event.set).start()\n"
      "node.create_subscription(LaserScan, '/scan', lambda scan: event.wait(), 10)\n"
