@@ -42,21 +42,21 @@ def read_cells(path: Path) -> list[Cell]:
     Raises FileReader.Refused: it is not a notebook, is too large, or is not an ordinary file.
     """
     try:
-        return FileReader(answer=64 << 20).read(cells_in, file=path, returns=list[Cell])
+        return FileReader(answer=64 << 20).read(
+            cells_in, MAX_NOTEBOOK, file=path, returns=list[Cell]
+        )
     except OSError as error:
         raise FileReader.Refused(f"the file cannot be read ({error.strerror})") from None
 
 
-def cells_in(file: IO[bytes]) -> list[Cell]:
-    """Return the cells of a notebook of at most MAX_NOTEBOOK bytes, in this process.
+def cells_in(file: IO[bytes], most: int = MAX_NOTEBOOK) -> list[Cell]:
+    """Return the cells of a notebook of at most `most` bytes, in this process.
 
     Raises FileReader.Refused: it is not a notebook, or is too large.
     """
-    data = file.read(MAX_NOTEBOOK + 1)
-    if len(data) > MAX_NOTEBOOK:
-        raise FileReader.Refused(
-            f"the file is larger than {MAX_NOTEBOOK:,} bytes; clear its outputs"
-        )
+    data = file.read(most + 1)
+    if len(data) > most:
+        raise FileReader.Refused(f"the file is larger than {most:,} bytes; clear its outputs")
     if data.count(b"{") + data.count(b"[") > MAX_NESTED or data.count(b'"') > MAX_QUOTES:
         raise FileReader.Refused("it has far more parts than any notebook; clear its outputs")
     try:
