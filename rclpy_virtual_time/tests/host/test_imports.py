@@ -35,15 +35,17 @@ LINES = {
 }
 REACHED = """
 import json, sys, types
+lazy = {*'__annotations__ AsyncContextManager ContextManager ForwardRef Match Pattern'.split()}
 def reached():
     found, waiting = {}, [sys.modules['__main__']]
     while waiting:
         module = waiting.pop()
         if module.__name__ not in found:
-            found[module.__name__] = sorted(vars(module))
+            found[module.__name__] = sorted(vars(module).keys() - lazy)  # made when asked for
             waiting += [v for v in vars(module).values() if isinstance(v, types.ModuleType)]
             classes = [v for v in vars(module).values() if isinstance(v, type)]
-            found |= {f'{c.__module__}:{c.__qualname__}': sorted(vars(c)) for c in classes}
+            found |= {f'{c.__module__}:{c.__qualname__}': sorted(vars(c).keys() - lazy)
+                      for c in classes}
     return {name: names for name, names in found.items() if not name.startswith('__main__')}
 """
 # What a program can reach here and not on plain Python, or the other way round, and why.
@@ -51,10 +53,9 @@ REVIEWED = {
     # What waits does so in virtual time, and is written in Python.
     "_queue:SimpleQueue lacks it",
     "_thread:RLock lacks it",
-    "_thread:lock has __annotations__ __dict__ __init__ __weakref__ kernel",
-    "_thread:lock has __annotations__ __dict__ __init__ __static_attributes__ __weakref__ kernel",
+    "_thread:lock has __dict__ __init__ __weakref__ kernel",
+    "_thread:lock has __dict__ __init__ __static_attributes__ __weakref__ kernel",
     "_thread:lock lacks __new__",  # from Python 3.13 on, as the line before
-    "typing has AsyncContextManager ForwardRef Match Pattern",  # made when asked for
     "joblib.externals.loky.backend.resource_tracker:LokyRLock lacks __dict__",  # its base has one
     "rclpy_virtual_time.host.virtual.descriptors:_polling.<locals>.Polling has it",
     "select:epoll lacks it",
