@@ -120,7 +120,7 @@ def fingerprint_of_engine() -> str:
             result.update(f"{library} {version(library)}\n".encode())
         except PackageNotFoundError:
             continue
-    for room in ENGINE:
-        for path in sorted((CODE / room).rglob("*.py")):
-            result.update(path.relative_to(CODE).as_posix().encode() + path.read_bytes())
+    every = [path for room in ENGINE for path in (CODE / room).rglob("*.py")]
+    for path in sorted([*every, CODE / "rclpy_portable" / "cdr.py"]):  # it writes own messages, too
+        result.update(path.relative_to(CODE).as_posix().encode() + path.read_bytes())
     return result.hexdigest()[:16]
