@@ -16,7 +16,7 @@ from sim.sensors import SENSORS
 if TYPE_CHECKING:
     from rclpy_virtual_time import ForkServer
 
-ADVICE = "grader.advice:Advisor"
+ADVICE = "grader.advice.advisor:Advisor"
 HOSTED = (  # what hosts of nodes need: of the course, whose files they can't read; sensors' types
     "grader.colcon.packages",
     "grader.hosted.supplied.classifiers",

@@ -96,7 +96,7 @@ class Runtime:
 
         import grader.cli
         import grader.drive
-        import grader.grading.causes
+        import grader.grading.causes.find
         import grader.grading.grading
         import grader.report.page
         import grader.trial.virtual_time  # noqa: F401

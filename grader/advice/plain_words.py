@@ -272,7 +272,6 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         "declare it in the constructor: self.declare_parameter('name', default)",
     ),
 )
-FITS = [(name, re.compile(text), advice) for name, text, advice in COMMON]
 
 
 def plain_words(error: BaseException, line: str = "") -> str:
@@ -306,8 +305,8 @@ def words_for(names: Sequence[str], text: str) -> str:
     """Return advice, by the names of an exception's classes and its text."""
     if said := rule_for(tuple(names), text, text):
         return said
-    for name, fits, advice in FITS:
-        if name in names and fits.search(text):
+    for name, fits, advice in COMMON:
+        if name in names and re.search(fits, text):
             return advice
     return ""
 

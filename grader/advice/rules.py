@@ -342,7 +342,6 @@ RULES = (
     Rule("Exception", "", r"^\s*raise\b", "this line raises it, and what leaves a callback ends "
          "the node: catch it there, and say what happened", PYTHON),
 )  # fmt: skip
-_COMPILED = [(rule, re.compile(rule.text), re.compile(rule.line)) for rule in RULES]
 
 WAITS = (  # what a line that waits for good holds, and what to do
     (r"\.sleep\(", r"rate", "a rate's sleep() waits for a timer, which only the executor that "
@@ -366,10 +365,10 @@ WAITS = (  # what a line that waits for good holds, and what to do
 
 def rule_for(names: tuple[str, ...], text: str, line: str = "") -> str:
     """Return advice on an exception, by its classes, its text and the student's line."""
-    for rule, fits, stands in _COMPILED:
-        if rule.kind not in names or not stands.search(line):
+    for rule in RULES:  # compiled where a class fits: most nodes raise nothing
+        if rule.kind not in names or not re.search(rule.line, line):
             continue
-        if match := fits.search(text):
+        if match := re.search(rule.text, text):
             return match.expand(rule.say) if match.re.groups else rule.say
     return ""
 

@@ -22,7 +22,7 @@ from grader.course.students import Seed, public_seed
 from grader.course.submission import Submission
 from grader.errors import DiskFull, GraderError, is_disk_full
 from grader.exercises import oracle_of
-from grader.grading.causes import Cause, find_cause
+from grader.grading.causes.cause import Cause
 from grader.grading.plugin import (
     ERROR,
     FAIL,
@@ -225,8 +225,13 @@ def _cause(
     exercise: Exercise, checks: Sequence[CheckResult], recordings: Sequence[Recording]
 ) -> Cause | None:
     """Return the cause of the failures; an error in the search for it leaves the grading whole."""
+    failed = [check for check in checks if check.outcome == FAIL]
+    if not failed:
+        return None
+    from grader.grading.causes.find import find_cause  # noqa: PLC0415  (most nodes pass)
+
     try:
-        return find_cause(exercise, [c for c in checks if c.outcome == FAIL], recordings)
+        return find_cause(exercise, failed, recordings)
     except Exception:
         return None
 

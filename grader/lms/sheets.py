@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import IO
 
 from grader.errors import InputError
-from grader.lms import PLATFORMS
 from grader.lms.moodle import columns
 from grader.lms.people import (
     EMAIL,
@@ -35,6 +34,7 @@ from grader.lms.people import (
     trailing,
     unquoted,
 )
+from grader.lms.platforms import PLATFORMS
 from grader.lms.unpack import OF_CLASS
 from rclpy_virtual_time import FileReader
 

@@ -17,9 +17,9 @@ from zoneinfo import ZoneInfo
 from grader.classroom.amendments.change import Late
 from grader.classroom.amendments.people import find_student
 from grader.errors import InputError
-from grader.lms import platform_of
 from grader.lms.book import Handed, StudentRow
 from grader.lms.clean import one_line
+from grader.lms.platforms import platform_of
 from grader.lms.sheets import read_roster
 from grader.lms.told import EXPECTED, moment
 

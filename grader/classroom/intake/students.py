@@ -14,12 +14,12 @@ from grader.classroom.intake.handed_in import HandedIn, Student
 from grader.classroom.intake.whose import NOTHING_KNOWN, Known
 from grader.course.beside import MADE
 from grader.errors import InputError, is_disk_full
-from grader.lms import PLATFORMS
 from grader.lms.folders import LITTER
 from grader.lms.folders import PLATFORM as FOLDERS
 from grader.lms.names import may_enter
 from grader.lms.people import NOBODY, Roster
 from grader.lms.platform import Entry, Read, SetAside, Who
+from grader.lms.platforms import PLATFORMS
 from grader.lms.unpack import ARCHIVES, MAX_DEPTH, is_archive, is_unread_archive, unpack
 from grader.lms.unpack import LINK as NO_LINK
 from rclpy_virtual_time import FileReader

@@ -12,11 +12,11 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from grader.classroom.intake.handed_in import Student
-from grader.lms import PLATFORMS, platform_of
 from grader.lms.book import StudentRow
 from grader.lms.names import marked, student_id
 from grader.lms.people import EMAIL, Match, Person, Roster, folded, in_order, squeezed
 from grader.lms.platform import Entry, SetAside, Who
+from grader.lms.platforms import PLATFORMS, platform_of
 
 Read = Sequence[tuple[int, Entry]]  # entries, with the place of their download
 

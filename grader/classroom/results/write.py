@@ -20,9 +20,9 @@ from grader.classroom.results.page import render
 from grader.classroom.results.scores import book_of, scores_csv
 from grader.classroom.row import StoredResult, as_graded
 from grader.errors import GraderError, is_disk_full
-from grader.lms import PLATFORMS
 from grader.lms.book import Book, Task
 from grader.lms.clean import one_line
+from grader.lms.platforms import PLATFORMS
 from grader.processes import own_processes
 
 CLASS_PAGE = "class.html"

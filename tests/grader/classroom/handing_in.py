@@ -7,9 +7,9 @@ from pathlib import Path
 
 from grader.classroom.intake.exercise_files import find_files
 from grader.classroom.intake.students import Intake, take_in
-from grader.lms import platform_of
 from grader.lms.people import Match, Roster
 from grader.lms.platform import Who
+from grader.lms.platforms import platform_of
 from grader.lms.sheets import read_roster
 
 AGENT = "obstacle_avoidance_agent.py"

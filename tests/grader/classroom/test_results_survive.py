@@ -18,7 +18,7 @@ from grader.classroom.results.write import Written, write_results
 from grader.classroom.row import StoredResult
 from grader.cli.batch import summary
 from grader.errors import GraderError
-from grader.lms import PLATFORMS
+from grader.lms.platforms import PLATFORMS
 
 
 class Broken(Exception):

@@ -9,8 +9,8 @@ import pytest
 from node_runs import RunNode
 
 from grader.course.exercises import Exercise, all_exercises, find_exercise
-from grader.grading.causes import find_cause
 from grader.grading.causes.cause import hint_for
+from grader.grading.causes.find import find_cause
 from grader.grading.causes.own_words import slip_in_file
 from grader.grading.causes.rhythm import kept_waiting
 from grader.grading.grading import grade
@@ -97,7 +97,6 @@ def test_a_node_that_sees_right_reads_nothing_about_beams(
 ) -> None:
     recording = run(run_node, beams, slow)
     assert find_cause(EXERCISE, [Check("slow_zone", scenario="avoid_zones")], [recording]) is None
-    assert find_cause(EXERCISE, [], [recording]) is None
 
 
 def test_an_error_that_is_caught_again_and_again_is_quoted(run_node: RunNode) -> None:
