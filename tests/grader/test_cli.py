@@ -241,3 +241,17 @@ def test_root_who_can_be_nobody_else_can_grade() -> None:
         check=False, capture_output=True, text=True,
     )  # fmt: skip
     assert (done.returncode, "5 / 5" in done.stdout) == (0, True), done.stdout + done.stderr
+
+
+def test_a_node_that_passes_costs_no_words_for_failures() -> None:
+    """What a command doesn't need, it doesn't import: each is milliseconds of every grading."""
+    needless = {
+        "grader.advice.deaths", "grader.advice.plain_words", "grader.classroom",
+        "grader.colcon.packages", "grader.grading.causes.find", "grader.lms.platforms", "rosbags",
+    }  # fmt: skip
+    code = f"import sys; from grader.cli import run; run(); print({needless} & {{*sys.modules}})"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "grade", "1", REFERENCE, "--only", "wiring"],
+        check=False, capture_output=True, text=True,
+    )  # fmt: skip
+    assert ("5 / 5" in done.stdout, done.stdout.splitlines()[-1]) == (True, "set()"), done.stderr
