@@ -119,8 +119,13 @@ def _hanging(threads: Sequence[list[_Entry]]) -> list[_Entry]:
     """Return the stack of the thread that runs the student's code, not of one that waits."""
     own = [thread for thread in threads if any(entry.own for entry in thread)]
     busy = [thread for thread in own if KERNEL not in thread[0].file]
-    called = [thread for thread in own if any(e.file.endswith(EXECUTORS) for e in thread)]
-    return next(iter(busy or called or own), [])
+    return next(iter(busy or sorted(own, key=_distance)), [])
+
+
+def _distance(thread: list[_Entry]) -> int:
+    """Rank a callback's thread first, then one without an executor, then one that only spins."""
+    outward = [entry.own for entry in thread if entry.own or entry.file.endswith(EXECUTORS)]
+    return 1 if all(outward) else 0 if outward[0] else 2
 
 
 def _loop(own: Sequence[_Entry], sources: Sources) -> str:

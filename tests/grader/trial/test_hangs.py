@@ -48,7 +48,16 @@ CONSTRUCTOR = """\
 """
 
 
-THREAD = '  File "agent.py", line 18 in work\n'
+THREAD = """\
+Thread 0x01 (most recent call first):
+  File "/opt/rclpy_virtual_time/host/virtual/kernel.py", line 9 in park
+  File "/opt/lib/rclpy/executors.py", line 111 in wait_for_ready_callbacks
+  File "agent.py", line 99 in main
+
+Thread 0x02 (most recent call first):
+  File "/opt/rclpy_virtual_time/host/virtual/messages.py", line 9 in publish
+  File "agent.py", line 18 in work
+"""
 
 
 WAITS = """\
