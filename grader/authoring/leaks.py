@@ -6,7 +6,7 @@ import html
 import json
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 from grader.claims.mutants import CATALOGUE, mutants
@@ -37,6 +37,11 @@ class Leak:
     solution: str  # its path; "" for a solution's markers
     line: str  # the first line that leaks
     earlier: bool = False  # a skeleton that builds on an earlier exercise, and gives that one away
+
+    @property
+    def of(self) -> str:
+        """The exercise of the solution."""
+        return PurePosixPath(self.solution).parts[1]
 
     def __str__(self) -> str:
         """Say it in a sentence."""
@@ -88,9 +93,9 @@ def leaks(folder: Path, solutions: Path = SOLUTIONS) -> list[Leak]:
             if not (text.place.startswith(GRADER) and secrets[hit].startswith(GRADER))
         }
         for source, line in sorted(first.items()):
-            of = PurePosixPath(source).parts[1]
-            earlier = numbers.get(text.exercise, 0) > numbers.get(of, len(numbers))
-            found.append(Leak(text.place, source, line, earlier))
+            leak = Leak(text.place, source, line)
+            earlier = numbers.get(text.exercise, 0) > numbers.get(leak.of, len(numbers))
+            found.append(replace(leak, earlier=earlier))
     return found
 
 

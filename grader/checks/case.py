@@ -16,6 +16,7 @@ Allowed = tuple[Interval, ...] | frozenset[str]  # any of these numbers, or of t
 Said = float | str
 MIN_ANSWERS = 3  # to see that they err alike
 NEAR_ZERO = 1e-3
+HUGE = 1e13  # a factor that is no slip of units: a second has 1e12 picoseconds
 ROUNDED = 0.01  # of a factor
 
 
@@ -134,7 +135,9 @@ def wrong_unit(cases: Sequence[Case], field: str) -> str:
         for right in list(allowed)[:1]
         if isinstance(said, float) and isinstance(right, tuple) and abs(right[0]) > NEAR_ZERO
     ]
-    if len(factors) < max(MIN_ANSWERS, len(pairs) / 2) or min(factors) <= 0.0:
+    if len(factors) < max(MIN_ANSWERS, len(pairs) / 2):
+        return ""
+    if not all(1.0 / HUGE < each < HUGE for each in factors):  # NaN, too
         return ""
     power = round(math.log10(factors[0]))
     if not power or any(abs(each / 10.0**power - 1.0) > ROUNDED for each in factors):

@@ -18,6 +18,7 @@ FIELDS = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular
 WATCHDOG = 0.45  # [s] without a scan, after which a zero Twist stops the robot
 ZERO = 1e-6  # [m/s, rad/s] a field nearer to 0 than this is zero
 LAST_MOMENT = 0.3  # [s] before the end of a run; the answer to a scan then may come after the end
+MOST_SAID = 8 << 20  # [bytes] of a topic that are read: objects take ten times as much
 LATEST = 0.5  # [s] from a scan to its answer, in real time, without the node's wait for a CPU
 
 
@@ -98,11 +99,13 @@ def published(recording: Recording, topic: str, type: str) -> list[tuple[float, 
 
     The bytes may be anything: what can't be read fails the check.
     """
-    found = []
+    found, size = [], 0
     for message in recording.published:
         if message.topic != topic or message.type != type:
             continue
         try:
+            if (size := size + len(message.data)) > MOST_SAID:
+                raise ValueError(f"so far these are {size:,} bytes; {MOST_SAID:,} are read")
             found.append((message.time / 1e9, decode(message.data, type)))
         except ValueError as error:
             fail(
@@ -117,11 +120,11 @@ def published(recording: Recording, topic: str, type: str) -> list[tuple[float, 
 
 
 def spell(value: float) -> str:
-    """Return a command's number as a student should see it, with two to four decimals."""
+    """Return a command's number as a student should see it, mostly with two to four decimals."""
     if 0.0 < abs(value) < 0.005:
         return f"{value:.3g}"
     if not abs(value) < 100.0:
-        return f"{value:.2f}"
+        return f"{value:.2f}" if abs(value) < 1e9 else f"{value:.3g}"
     whole, decimals = f"{value:.4f}".split(".")
     return f"{whole}.{decimals.rstrip('0').ljust(2, '0')}"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -54,9 +53,16 @@ class Account:
     def faults(self) -> list[Line]:
         return [line for line in self.lines if line.fault]
 
-    def counts(self) -> dict[str, int]:
-        found = Counter(line.state for line in self.lines)
-        return {state: found[state] for state in Fate if found[state]}
+    def counts(self) -> dict[str, str]:
+        """Return how many students and files each state is about, in words."""
+        found = {}
+        for state in Fate:
+            lines = [line for line in self.lines if line.state == state]
+            people, files = {line.student for line in lines} - {""}, [x for x in lines if x.file]
+            told = (_many(len(people), "student"), _many(len(files), "file"))
+            if lines:
+                found[str(state)] = ", ".join(filter(None, told)) or str(len(lines))
+        return found
 
     def csv(self) -> str:
         return csv_text(
@@ -74,3 +80,7 @@ class Account:
         if len(faults) > MOST:
             lines.append(f"  and {len(faults) - MOST} more, in the class report and in intake.csv")
         return lines
+
+
+def _many(count: int, what: str) -> str:
+    return f"{count} {what}{'s' * (count > 1)}" if count else ""

@@ -8,7 +8,7 @@ import hmac
 import json
 import shutil
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -100,7 +100,7 @@ def autograde(
             store.retry_held()
         if not regrade:
             store.again(key for key in taken_in.candidates if key[0] in only)
-        writer = _Writer(store, out, options, taken_in)
+        writer = _Writer(store, out, options, taken_in, progress.say)
         writer.wanted()
         candidates = {
             key: candidate
@@ -164,6 +164,7 @@ class _Writer:
     out: Path
     options: Options
     taken_in: Class
+    say: Callable[[str], object]
 
     def wanted(self, notes: Sequence[str] = ()) -> ResultOptions:
         """Return how results are written, and keep it: marks change later, also after a kill."""
@@ -184,7 +185,7 @@ class _Writer:
     ) -> tuple[list[StoredResult], Written]:
         """Write all results; what was handed in is copied only when all is over."""
         wanted = self.wanted(notes)
-        results, written = write_class(self.store, self.out, wanted)
+        results, written = write_class(self.store, self.out, wanted, say=self.say)
         if over:
             self._write_sources(written)
         return results, written

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -60,11 +60,13 @@ def opened(out: Path) -> Iterator[Store]:
 
 
 def write_class(
-    store: Store, out: Path, options: ResultOptions, before: Sequence[StoredResult] = ()
-) -> tuple[list[StoredResult], Written]:
+    store: Store, out: Path, options: ResultOptions, before: Sequence[StoredResult] = (),
+    say: Callable[[str], object] = str,
+) -> tuple[list[StoredResult], Written]:  # fmt: skip
     """Write all results as they count now; return them, and what was written.
 
-    Pages of students whose results are as `before`, when all were written, stay as they are.
+    Pages of students whose results are as `before`, when all were written, stay as they are. `say`
+    is told how far it is.
     """
     log = store.entries()
     counting = active(log)
@@ -78,6 +80,6 @@ def write_class(
     old = {} if store.kept(UNWRITTEN) else {result.key: result for result in before}
     new = {result.student for result in results if result != old.get(result.key)}
     store.keep(UNWRITTEN, "yes")
-    written = write_results(results, out, wanted, {student for student, _ in old} - new)
+    written = write_results(results, out, wanted, {student for student, _ in old} - new, say)
     store.keep(UNWRITTEN, "yes" if written.missing else "")
     return results, written

@@ -70,7 +70,7 @@ def listing(found: Class) -> tuple[str, int]:
             f"{student}{f' ({about})' if about else ''}: {', '.join(slugs) or 'nothing handed in'}"
         )
     counts = "; ".join(f"{state}: {count}" for state, count in found.account.counts().items())
-    lines.append(f"{len(by_student)} students. {counts}.")
+    lines.append(f"{len(by_student)} students; {counts}.")
     listed = list(held)[:MOST_HELD]
     if len(held) > MOST_HELD:
         listed.append(f"  and {len(held) - MOST_HELD} more will be held")

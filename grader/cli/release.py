@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from functools import partial
-from pathlib import Path
+from collections.abc import Collection
+from pathlib import Path, PurePath
 
 import click
 
@@ -80,19 +80,24 @@ def release(
     if plain and no_answers:
         raise InputError("--no-answers is for the site, which --plain leaves out")
     wheel = built_wheel()
-    made = partial(handouts, answers=not no_answers)
-    make = None if plain else lambda left: carried(made(left), wheel, source)
+
+    def make(left: Collection[str]) -> dict[str, bytes]:
+        workspace = (ROOT / "build" / "workspace").is_dir()
+        lacks = "nodes can't be written in the site's pages: make workspace first"
+        for lack in filter(None, (what_lacks(wheel, source), "" if workspace else lacks)):
+            echo(f"Note: {lack}.", err=True)
+        return carried(handouts(left, answers=not no_answers), wheel, source)  # takes a minute
+
     released = [each for each in all_exercises() if not slugs or each.slug in slugs]
     more = github.files(released) if classroom else {}
-    found = make_release(folder, exercises=slugs, archive=student_package, make=make, more=more)
+    found = make_release(
+        folder, exercises=slugs, archive=student_package, make=None if plain else make, more=more
+    )
     for draft in drafts():
         echo(f"Note: {draft} stays here: git does not know it.", err=True)
-    for leak in found:
-        echo(f"Note: {leak}; hand it out after that exercise (--exercise).", err=True)
-    if not plain and (lacks := what_lacks(wheel, source)):
-        echo(f"Note: {lacks}.", err=True)
-    if not plain and not (ROOT / "build" / "workspace").is_dir():
-        echo("Note: nodes can't be written in the site's pages: make workspace first.", err=True)
+    for of in sorted({leak.of for leak in found}):
+        files = ", ".join(sorted({PurePath(leak.file).name for leak in found if leak.of == of}))
+        echo(f"Note: {of}'s solution is partly in {files}; hand that out after it.", err=True)
     echo(f"Students' material: {folder}")
     if student_package:
         echo(f"The same, packed: {folder}.zip")

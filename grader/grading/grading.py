@@ -224,16 +224,13 @@ def _place(check: CheckResult) -> tuple[bool, float]:
 def _cause(
     exercise: Exercise, checks: Sequence[CheckResult], recordings: Sequence[Recording]
 ) -> Cause | None:
-    """Return the cause of the failures; an error in the search for it leaves the grading whole."""
+    """Return the cause of the failures."""
     failed = [check for check in checks if check.outcome == FAIL]
     if not failed:
         return None
     from grader.grading.causes.find import find_cause  # noqa: PLC0415  (most nodes pass)
 
-    try:
-        return find_cause(exercise, failed, recordings)
-    except Exception:
-        return None
+    return find_cause(exercise, failed, recordings)
 
 
 def _helped(check: CheckResult, cause: Cause | None) -> CheckResult:

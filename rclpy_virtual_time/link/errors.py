@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 
-SQLITE_FULL = 13  # https://sqlite.org/rescode.html#full
+SQLITE_FULL = (13, 4874)  # https://sqlite.org/rescode.html#full and #ioerr_shmsize
 NO_SPACE = (errno.ENOSPC, errno.EDQUOT)
 
 
@@ -33,7 +33,7 @@ class DiskFull(EngineError):
                 return True
             if isinstance(error, OSError) and error.errno in NO_SPACE:
                 return True
-            if getattr(error, "sqlite_errorcode", None) == SQLITE_FULL:
+            if getattr(error, "sqlite_errorcode", None) in SQLITE_FULL:
                 return True
             error = error.__cause__ or error.__context__
         return False

@@ -35,6 +35,10 @@ def test_a_full_disk_ends_the_batch_and_the_next_run_goes_on(tmp_path: Path) -> 
     batch = [*COURSE, str(tmp_path / "in"), "--out", str(place / "out"), *OPTIONS]
     done = mounted(
         batch,
+        ["sh", "-c", f"cat /dev/zero > {place}/fill"],  # to the last byte
+        batch,
+        [*COURSE[:-1], "report", str(place / "out")],
+        ["rm", str(place / "fill")],
         ["mount", "-t", "tmpfs", "-o", "remount,size=200m", "none", str(place)],
         batch,
         ["cp", "-r", str(place / "out"), str(taken)],
@@ -42,11 +46,13 @@ def test_a_full_disk_ends_the_batch_and_the_next_run_goes_on(tmp_path: Path) -> 
         size="2m",
     )  # two gradings with their recordings don't fit
 
-    first, _, second, _ = (line for line in done.stdout.splitlines() if line.startswith("exit"))
-    assert (first, second) == ("exit code 2", "exit code 0"), done.stdout + done.stderr
-    (said,) = done.stderr.splitlines()
-    assert "the disk is full" in said
-    assert "run the same command again" in said
+    codes = [line[-1] for line in done.stdout.splitlines() if line.startswith("exit")]
+    assert codes == list("21220000"), done.stdout + done.stderr
+    first, _, second, report = done.stderr.splitlines()
+    for said in (first, second):
+        assert "the disk is full" in said
+        assert "run the same command again" in said
+    assert "no space is left on its disk" in report
     assert_complete(taken)
     gradings = [one.grading for one in stored(taken).values()]
     assert [grading and grading["score"] for grading in gradings] == [100, 100, 100]

@@ -129,6 +129,9 @@ class GradingRun:
         self._running.discard(unit.key)
         try:
             self._submission_done(unit, result)
+            for key in self._waiting():  # the group's others, in case this is interrupted
+                if (self.candidates[key].leader, key[1]) == unit.key:
+                    self._left_to_leader(key)
         except Exception as error:  # of one result; the others are not held up
             if is_disk_full(error):
                 raise

@@ -21,7 +21,7 @@ import msgspec
 from grader.classroom.amendments.change import Change, Unread
 from grader.classroom.amendments.log import Entry, active
 from grader.classroom.row import ABSENT, GRADED, HELD, RUNNING, WAITING, StoredResult
-from grader.errors import InputError, is_disk_full
+from grader.errors import DiskFull, InputError, is_disk_full
 from grader.lms.book import StudentRow
 from grader.lms.told import words
 
@@ -76,6 +76,7 @@ class Store:
     """The file of one class.
 
     Raises InputError: the file is something else, or another version of the course made it.
+    Raises DiskFull: no space was left.
     """
 
     def __init__(self, path: Path) -> None:
@@ -97,7 +98,7 @@ class Store:
         except sqlite3.DatabaseError as error:
             self._db.close()
             if is_disk_full(error):
-                raise
+                raise DiskFull(f"{path}: no space is left on its disk; free some") from error
             raise InputError(f"{path}: expected the store of a graded class ({error})") from None
 
     def __enter__(self) -> Store:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import shutil
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from itertools import groupby, product
@@ -29,6 +29,7 @@ CLASS_PAGE = "class.html"
 PUBLISHED = "published"  # the folder
 GONE = ("checks", "likeness")  # folders of version 1.0.0: nothing renews them
 BOM = "\ufeff"  # without it Excel doesn't read the file as UTF-8
+EVERY = 10  # students, of whose pages it is said how many are written
 MANY = 20  # students; for fewer, starting more processes does not pay
 ENDED = (
     "a process that makes feedback pages was ended from outside (is there memory enough?); what is "
@@ -62,13 +63,14 @@ class Written:
 
 def write_results(
     results: Results, out: Path, options: ResultOptions | None = None,
-    same: Collection[str] = (),
+    same: Collection[str] = (), say: Callable[[str], object] = str,
 ) -> Written:  # fmt: skip
     """Write the class report, feedback and gradebooks into `out`.
 
     The same results give the same files. Each file is replaced atomically, so nobody reads half of
     one. The files of a platform, the pages of a student and the class report fail alone; the report
-    names what is missing. The pages of students who are the `same` as the last time stay.
+    names what is missing. The pages of students who are the `same` as the last time stay. `say` is
+    told how far it is.
 
     Raises OSError: a full disk, or a folder that can't be written.
     """
@@ -81,7 +83,11 @@ def write_results(
     if options.account.lines:
         done.text("intake.csv", BOM + options.account.csv())
     _write_gradebooks(book, tasks, options, done)
-    for each in _made([r for r in known if r.student not in same], options, out):
+    new = [result for result in known if result.student not in same]
+    count = len({result.student for result in new})
+    for number, each in enumerate(_made(new, options, out), start=1):
+        if number % EVERY == 0:
+            say(f"the pages of {number} of {count} students are written")
         done.files.extend(each.files)
         done.missing.extend(each.missing)
     _write_feedback_zips(book, tasks, options, done)

@@ -41,11 +41,12 @@ def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
                 break
     for name, run in trials.items() if explained else ():
         values = [case for case in cases(run) if "form" not in case.tags]
-        counts = [(case.at, case.said["count"]) for case in values if "count" in case.tags]
+        counts = [(case.at, case.said["count"]) for case in values
+                  if "count" in case.tags and "count" in case.said]  # fmt: skip
         for (_, before), (at, count) in pairwise(counts):
             if isinstance(before, float) and isinstance(count, float) and count < before:
                 return Evidence(
-                    f"at {at:.2f} s of {name} count falls from {before:.0f} to {count:.0f}: a call "
+                    f"at {at:.2f} s of {name} count falls from {before:.9g} to {count:.9g}: a call "
                     "leaves the window only when a hundred later ones are in it. What empties it?",
                     explains=explained,
                 )

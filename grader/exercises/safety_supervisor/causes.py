@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from grader.checks.commands import ZERO
+from grader.checks.commands import ZERO, spell
 from grader.checks.verdict import Evidence, Trials
 from grader.exercises.safety_supervisor.contract import cases
 from sim.messages import BOOL, E_STOP_TOPIC, decode
@@ -35,7 +35,7 @@ def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
     at = max((t for t in pressed if t <= due[0].at), default=pressed[0])
     return Evidence(
         f"after /e_stop true at {at:.2f} s of {RUN} the robot drove on at "
-        f"{float(drove[0].said['linear.x']):.2f} m/s, and it never stands while /e_stop is true. "
+        f"{spell(float(drove[0].said['linear.x']))} m/s, and it never stands while that is true. "
         "Is the callback of /e_stop called, does it keep the message's data in the attribute that "
         "the timer reads, and is that a bool, not a text?",
         explains=EXPLAINS,

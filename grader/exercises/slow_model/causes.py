@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from grader.checks.commands import spell
 from grader.checks.predictions import max_speed
 from grader.checks.verdict import Evidence, Trials
 from grader.exercises.slow_model.contract import ROUNDED
@@ -25,7 +26,7 @@ def seen(trials: Trials, failed: Sequence[str]) -> Evidence | None:
             first = int(np.argmax(own))
             return Evidence(
                 f"{own.sum()} of {len(own)} commands of {name} are neither 0 nor what the model "
-                f"said of any scan, clipped, as {twists.linear_x[first]:.3f} m/s at "
+                f"said of any scan, clipped, as {spell(twists.linear_x[first])} m/s at "
                 f"{twists.t[first]:.2f} s. A prediction goes out as it is until it is too old: "
                 "what scales, mixes or smooths it?",
                 explains=failed,

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from grader.checks.ahead import front_distance
-from grader.checks.commands import FIELDS, ZERO
+from grader.checks.commands import FIELDS, ZERO, spell
 from grader.course.exercises import Exercise
 from grader.exercises import contract_of
 from grader.grading.causes.cause import ByName, Cause, Failed, Hint, hint_for
@@ -122,7 +122,7 @@ def _unmoved(recording: Recording) -> str:
     if len(said) < MIN_PREDICTIONS or np.ptp(speeds) > ZERO or not np.ptp(said) > APART:
         return ""
     return (
-        f"every command is {speeds[0]:.2f} m/s, and the model says {min(said):.2f} to "
+        f"every command is {spell(speeds[0])} m/s, and the model says {min(said):.2f} to "
         f"{max(said):.2f} m/s. Is its answer used, or thrown away as too old or invalid? "
         "Or do int(…), //, or a clip that is not min(max(speed, 0.0), self.max_speed), make it one "
         "number?"

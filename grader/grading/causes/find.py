@@ -19,6 +19,7 @@ It explains; it never decides anything.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 
 from grader.course.exercises import Exercise
@@ -60,6 +61,7 @@ def find_cause(
     """
     by_name = {recording.name: recording for recording in recordings}
     for look in LOOKS:
-        if cause := look(exercise, failed, by_name):
-            return cause
+        with contextlib.suppress(Exception):  # one that stumbles over a number leaves the others
+            if cause := look(exercise, failed, by_name):
+                return cause
     return None

@@ -86,6 +86,7 @@ def test_anything_but_one_command_each_fails(
         (0.5, "0.50", False),
         (0.00123, "0.00123", False),
         (math.inf, "inf", False),
+        (-1e300, "-1e+300", True),
         (5e-324, "", True),
         (1e300, "", True),
         (math.nan, "nan", True),
@@ -163,3 +164,13 @@ def test_what_cannot_be_read_fails(data: bytes) -> None:
     with pytest.raises(CheckFailed, match="a message on /closing_speed can't be read") as caught:
         published(recording, TOPIC, FLOAT64)
     assert caught.value.at == 1.5
+
+
+def test_of_a_flood_only_so_much_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("grader.checks.commands.MOST_SAID", 3 * len(said(0.5)))
+    recording = SimpleNamespace(published=(message(said(0.5)),) * 3, name="run")
+    assert len(published(recording, TOPIC, FLOAT64)) == 3
+    recording.published *= 2
+    with pytest.raises(CheckFailed) as caught:
+        published(recording, TOPIC, FLOAT64)
+    assert "so far these are 48 bytes; 36 are read" in caught.value.actual

@@ -39,13 +39,16 @@ def test_from_a_download_to_the_gradebook(tmp_path: Path) -> None:
 def test_a_look_at_what_was_handed_in(tmp_path: Path) -> None:
     week = tmp_path / "week"
     week.mkdir()
-    (week / f"leecarla_12345_678901_{AGENT}").write_text("# mine\n")
+    for file in (AGENT, LIVE):
+        (week / f"leecarla_12345_678901_{file}").write_text("print('mine')\n")
     roster = tmp_path / "class.csv"
     roster.write_text(ROSTER)
     code, said = look(week, "--roster", roster, "--list")
     assert code == 0
     assert "Carla Lee (A): obstacle_avoidance" in said
     assert "Bo Ray (B): nothing handed in" in said
+    counts = "2 students; to be graded: 1 student, 2 files; nothing handed in: 1 student."
+    assert counts in said
     assert sorted(path.name for path in tmp_path.iterdir()) == ["class.csv", "week"]
 
     (week / "\x1b[31mevil.docx").write_text("nobody's\n")

@@ -131,6 +131,9 @@ def test_one_that_fills_the_disk_itself_stops_nobody(
 def test_a_full_disk_is_known_by_its_cause() -> None:
     assert not is_disk_full(OSError(errno.EIO, "broken"))
     assert not is_disk_full(sqlite3.OperationalError("database or disk is full"))  # only its words
+    unopened = sqlite3.OperationalError("disk I/O error")
+    unopened.sqlite_errorcode = sqlite3.SQLITE_IOERR_SHMSIZE  # to the last byte
+    assert is_disk_full(unopened)
     error = ValueError("a bag")
     error.__cause__ = OSError(errno.EDQUOT, "quota")
     assert is_disk_full(error)

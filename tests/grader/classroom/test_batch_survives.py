@@ -94,6 +94,23 @@ def test_killed_twice_and_resumed(handed_in: Path, undisturbed: Results, tmp_pat
         assert [entry.number for entry in store.entries()] == [1, 2]
 
 
+def test_sigterm_ends_it_as_ctrl_c_does(
+    handed_in: Path, undisturbed: Results, tmp_path: Path
+) -> None:
+    command, pipe = _command(handed_in, tmp_path), subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as batch:
+        assert batch.stdout is not None
+        batch.stdout.readline()
+        batch.terminate()
+        said, complaint = batch.communicate()
+    assert (batch.returncode, complaint) == (2, "course: interrupted\n")
+    assert "interrupted: writing what is graded" in said
+    assert (tmp_path / "scores.csv").is_file()
+    assert sorted(path.name for path in tmp_path.glob(".*")) == [".lock"]
+    subprocess.run(command, check=False, stdout=subprocess.DEVNULL)
+    assert _results(tmp_path) == undisturbed
+
+
 def test_on_a_cluster_that_loses_a_worker(
     handed_in: Path, undisturbed: Results, tmp_path: Path
 ) -> None:

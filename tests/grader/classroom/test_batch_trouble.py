@@ -1,19 +1,23 @@
 """Trouble with the machine: stalls, canaries that can't be judged, progress in spite of them."""
 
 import io
+import shutil
 from concurrent.futures import BrokenExecutor
 from pathlib import Path
 from typing import Any
 
 import pytest
-from fake_class import Drifting, Judge, fair, grading
+from fake_class import FILE, Drifting, Judge, fair, grading
+from handing_in import put
 from rich.console import Console
 
 from grader.classroom.progress import Progress
+from grader.classroom.queue.store import Store
 from grader.classroom.queue.work import Unit, UnitResult
-from grader.classroom.row import GRADED, HELD, TWICE
+from grader.classroom.row import GRADED, HELD, TWICE, WAITING
 
 STALLED = grading("stop_zone", outcome="inconclusive")
+METADATA = "submission_{}:\n  :submitters:\n  - :name: {}\n  - :name: {}\n  - :name: {}\n"
 
 
 class Machine:
@@ -158,6 +162,46 @@ def test_a_stall_beside_a_drift_hides_nothing(grade_class: Any) -> None:
 
 
 # --- progress ------------------------------------------------------------------------------
+
+
+def test_an_interrupted_batch_says_how_far_it_writes(
+    grade_class: Any, handed_in: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(unit: Unit) -> UnitResult:
+        if unit.student == "eve":
+            raise KeyboardInterrupt
+        return fair(unit)
+
+    put(handed_in, *(f"a{number:02}/{FILE}" for number in range(19)))
+    out = io.StringIO()
+    monkeypatch.setattr("fake_class.Quiet", lambda: Progress(Console(file=out, width=200)))
+    with pytest.raises(KeyboardInterrupt):
+        grade_class(interrupted)
+    told = out.getvalue().partition("interrupted: writing what is graded")[2]
+    assert "the pages of 10 of 22 students are written" in told
+    assert "the pages of 20 of 22 students are written" in told
+
+
+def test_a_group_has_its_result_as_soon_as_its_leader_has(
+    grade_class: Any, handed_in: Path, tmp_path: Path
+) -> None:
+    def interrupted(unit: Unit) -> UnitResult:
+        if unit.student == "Gil":
+            raise KeyboardInterrupt
+        return fair(unit)
+
+    shutil.rmtree(handed_in)
+    groups = ("Al", "Cy", "Zed"), ("Bo", "Ed", "Yul"), ("Gil", "Hu", "Ian")
+    told = "".join(METADATA.format(number, *group) for number, group in enumerate(groups))
+    names = (f"submission_{number}/{FILE}" for number in range(3))
+    put(handed_in, *names, **{"submission_metadata.yml": told})
+    with pytest.raises(KeyboardInterrupt):
+        grade_class(interrupted)
+    with Store(tmp_path / "out" / "store.sqlite") as store:
+        states = {each.student: each.state for each in store.results()}
+    assert [[states[name] for name in group] for group in groups] == [
+        [GRADED] * 3, [GRADED] * 3, [WAITING] * 3,
+    ]  # fmt: skip
 
 
 def shown(out: io.StringIO) -> list[str]:

@@ -1,5 +1,6 @@
 """Several tasks' checks that fail on one field: what the answers share is said, and no help."""
 
+import math
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -12,7 +13,10 @@ from grader.checks.predictions import CALLED, PREDICT
 from grader.course.exercises import find_exercise
 from grader.exercises.goal_seeking import causes
 from grader.exercises.goal_seeking.contract import Pose, Quest
+from grader.exercises.latency_monitor import causes as monitor
 from grader.grading.causes import several
+from grader.grading.causes.answers import seen_in
+from grader.grading.causes.find import find_cause
 from grader.grading.causes.several import _rows, cause_of_several, in_common, reason_in
 from rclpy_virtual_time.link.log import LogLine
 
@@ -82,6 +86,33 @@ def test_units_that_are_wrong_are_seen_in_each_answer() -> None:
     assert wrong_unit(cases, "ms").startswith("ms is 1,000 times too small in each of 4 answers")
     assert not wrong_unit([*cases, replace(cases[0], said={"ms": 0.002})], "ms")
     assert not wrong_unit(cases[:2], "ms")
+
+
+@pytest.mark.parametrize("said", [math.inf, -math.inf, math.nan, 1e308, -1e308, 5e-324])
+def test_hostile_numbers_have_causes_in_words(said: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    told = {"ms": said, "count": said}
+    cases = [Case(float(i), "", frozenset({"count", "max_ms"}), {"ms": exactly(right)}, told)
+             for i, right in enumerate(RIGHT)]  # fmt: skip
+    assert not wrong_unit(cases, "ms")
+    assert len(in_common(_rows(cases, "ms"), "ms")) < 300
+    assert not several._at_first([_rows(cases, "ms")] * 2, "ms")
+    assert not seen_in(cases, "a run")
+    falls = [replace(cases[0], said={"count": 1e308}), replace(cases[1], said={}), cases[2]]
+    monkeypatch.setattr(monitor, "cases", lambda _: falls)
+    run: Any = SimpleNamespace(name="a run", published=[])
+    found = monitor.seen({"a run": run}, ["mean_and_max"])
+    assert found is None or len(found.text) < 300
+
+
+def test_a_look_that_stumbles_leaves_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stumbles(*_: object) -> None:
+        raise OverflowError
+
+    monkeypatch.setattr("grader.grading.causes.find.LOOKS", (stumbles, cause_of_several))
+    failed = [_failed(name, 1, "x = -0.50", "x = 0.50") for name in ("a", "b", "c")]
+    cause = find_cause(EXERCISE, failed, [])
+    assert cause is not None
+    assert "wrong sign" in cause.text
 
 
 def test_the_reason_that_the_node_logs_is_given() -> None:
