@@ -59,7 +59,7 @@ class Account:
         for state in Fate:
             lines = [line for line in self.lines if line.state == state]
             people, files = {line.student for line in lines} - {""}, [x for x in lines if x.file]
-            told = (_many(len(people), "student"), _many(len(files), "file"))
+            told = (many(len(people), "student"), many(len(files), "file"))
             if lines:
                 found[str(state)] = ", ".join(filter(None, told)) or str(len(lines))
         return found
@@ -82,5 +82,6 @@ class Account:
         return lines
 
 
-def _many(count: int, what: str) -> str:
+def many(count: int, what: str) -> str:
+    """Return so many of something in words; "" if none."""
     return f"{count} {what}{'s' * (count > 1)}" if count else ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import statistics
 from pathlib import Path
 
+from grader.classroom.account import many
 from grader.classroom.batch import GradedClass
 from grader.classroom.intake.candidates import Class
 from grader.classroom.row import ABSENT, GRADED, HELD, WAITING
@@ -70,7 +71,7 @@ def listing(found: Class) -> tuple[str, int]:
             f"{student}{f' ({about})' if about else ''}: {', '.join(slugs) or 'nothing handed in'}"
         )
     counts = "; ".join(f"{state}: {count}" for state, count in found.account.counts().items())
-    lines.append(f"{len(by_student)} students; {counts}.")
+    lines.append(f"{many(len(by_student), 'student')}; {counts}.")
     listed = list(held)[:MOST_HELD]
     if len(held) > MOST_HELD:
         listed.append(f"  and {len(held) - MOST_HELD} more will be held")

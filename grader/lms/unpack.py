@@ -18,7 +18,7 @@ from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
 from grader.errors import is_disk_full
-from grader.lms.names import may_enter
+from grader.lms.names import may_enter, uncopied
 from rclpy_virtual_time import FileReader
 
 ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz")
@@ -50,7 +50,7 @@ Odd = tuple[str, str]  # a member's name, and what is odd about it
 
 
 def is_archive(name: str) -> bool:
-    return name.lower().endswith(ARCHIVES)
+    return uncopied(name).lower().endswith(ARCHIVES)  # Canvas: hw.tar-1.gz
 
 
 def is_unread_archive(name: str) -> bool:
@@ -59,6 +59,8 @@ def is_unread_archive(name: str) -> bool:
 
 
 def archive_stem(name: str) -> str:
+    if is_archive(name) and not name.lower().endswith(ARCHIVES):
+        name = uncopied(name)
     lower = name.lower()
     suffixes = sorted((*ARCHIVES, *UNREAD), key=len, reverse=True)
     suffix = next((each for each in suffixes if lower.endswith(each)), "")

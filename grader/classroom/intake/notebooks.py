@@ -17,8 +17,8 @@ PLAIN = re.compile(r"cell_\d+\.py")
 NODE = re.compile(r"^(?:import|from) rclpy\b.*^class \w+\(.*^def main\b", re.DOTALL | re.MULTILINE)
 
 
-def node_files(notebook: Path, room: Path) -> list[Path]:
-    """Write the exercises' files that a notebook's cells define into `room`; return them.
+def node_files(notebook: Path, room: Path) -> tuple[list[Path], list[str]]:
+    """Write the exercises' files that a notebook's cells define into `room`; return these, remarks.
 
     Modules that other cells write come along with them.
     Of several cells for one file the last counts, as for nbgrader. What is still the skeleton was
@@ -29,8 +29,8 @@ def node_files(notebook: Path, room: Path) -> list[Path]:
     """
     known = skeletons()
     try:
-        texts = FileReader(answer=64 << 20).read(
-            texts_in, list(known), file=notebook, returns=dict[str, str],
+        texts, remarks = FileReader(answer=64 << 20).read(
+            texts_in, list(known), file=notebook, returns=tuple[dict[str, str], list[str]],
         )  # fmt: skip
     except OSError as error:
         raise FileReader.Refused(f"the file cannot be read ({error.strerror})") from None
@@ -41,18 +41,18 @@ def node_files(notebook: Path, room: Path) -> list[Path]:
         room.mkdir(parents=True, exist_ok=True)
         made.append(room / name)
         made[-1].write_text(texts[name], "utf-8")
-    return made
+    return made, remarks
 
 
-def texts_in(notebook: IO[bytes], names: Sequence[str]) -> dict[str, str]:
-    """Return the texts of the files called `names`, and of modules, that a notebook's cells write.
+def texts_in(notebook: IO[bytes], names: Sequence[str]) -> tuple[dict[str, str], list[str]]:
+    """Return texts of files called `names`, and of modules, that a notebook's cells write; remarks.
 
     Raises FileReader.Refused: it is no notebook.
     """
     cells = [(cell.kind, cell.source) for cell in cells_in(notebook)]
-    texts, _ = last_definitions(cells, list(dict.fromkeys((*names, *modules(cells)))))
+    texts, remarks = last_definitions(cells, list(dict.fromkeys((*names, *modules(cells)))))
     if not set(names).isdisjoint(texts):
-        return texts
+        return texts, remarks
     code = {f"cell_{number}.py": text for number, (kind, text) in enumerate(cells, 1)
             if kind == "code" and not text.lstrip().startswith("%%")}  # fmt: skip
-    return texts | {name: text for name, text in code.items() if NODE.search(text)}
+    return texts | {name: text for name, text in code.items() if NODE.search(text)}, remarks

@@ -175,7 +175,7 @@ def _nothing(sources: Sequence[Path], set_aside: Sequence[SetAside]) -> str:
 def _fill(student: Student, room: Path, set_aside: list[SetAside]) -> None:
     for place, (number, entry) in enumerate(student.entries):
         _collect(student, entry, number, room / str(place), set_aside)
-    _open_notebooks(student, room / "notebooks")
+    _open_notebooks(student, room / "notebooks", set_aside)
 
 
 def _collect(
@@ -248,14 +248,15 @@ def _unpacked(
     ]
 
 
-def _open_notebooks(student: Student, room: Path) -> None:
+def _open_notebooks(student: Student, room: Path, set_aside: list[SetAside]) -> None:
     there = [file for file in student.files if file.name.lower().endswith(notebooks.SUFFIX)]
     for number, file in enumerate(there[:MAX_NOTEBOOKS]):
         try:
-            made = notebooks.node_files(file.path, room / str(number))
+            made, remarks = notebooks.node_files(file.path, room / str(number))
         except FileReader.Refused as error:
             student.problems.append(f"{file.name}: {error}")
             continue
+        set_aside += [SetAside(f"{student.id}: {file.name}", each, fault=False) for each in remarks]
         student.files += [
             HandedIn(path, f"{file.name}/{path.name}", file.entry, file.source) for path in made
         ]

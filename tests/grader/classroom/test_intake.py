@@ -61,14 +61,15 @@ def test_folders_and_archives_are_students(handed_in: Path) -> None:
     put(handed_in / "eve.tar.gz", **{f"./{AGENT}": "3"})
     put(handed_in / "kim.tgz", **{AGENT: "4"})
     put(handed_in / "lea.tar", **{AGENT: "5"})
+    put(handed_in / "mia.tar-12.gz", **{AGENT: "6"})  # Canvas, of another upload
     put(handed_in, "grades.csv", "__MACOSX/x", ".git/x")
 
     students = taken(handed_in).students
 
-    assert [s.id for s in students] == ["Zoë Ünal", "bob", "eve", "kim", "lea"]
-    assert [s.problem for s in students] == [""] * 5
+    assert [s.id for s in students] == ["Zoë Ünal", "bob", "eve", "kim", "lea", "mia"]
+    assert [s.problem for s in students] == [""] * 6
     texts = [find_files(s, [AGENT]).files[AGENT].read_text() for s in students]
-    assert texts == ["1", "2", "3", "4", "5"]
+    assert texts == ["1", "2", "3", "4", "5", "6"]
 
 
 @pytest.mark.parametrize(

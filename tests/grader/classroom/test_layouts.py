@@ -286,6 +286,9 @@ def test_nodes_in_notebooks_are_files(download: Path) -> None:
     }
     intake = taken(put(download, **files))
     assert graded(intake)["ann_1"] == "mine"
+    (aside,) = intake.set_aside  # nothing is lost without a line
+    assert (aside.name, aside.fault) == ("ann_1: 01_loop.ipynb", False)
+    assert aside.reason == f"2 cells write {AGENT}; the last, cell 3, counts."
     assert "still the skeleton" in graded(intake)["bob_2"]
     assert graded(intake)["cy_3"].startswith("01_loop.ipynb: it is not JSON")
     assert graded(intake)["dee_4"] == "loose"
