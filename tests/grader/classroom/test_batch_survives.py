@@ -103,7 +103,7 @@ def test_sigterm_ends_it_as_ctrl_c_does(
         batch.stdout.readline()
         batch.terminate()
         said, complaint = batch.communicate()
-    assert (batch.returncode, complaint) == (2, "course: interrupted\n")
+    assert (batch.returncode, complaint.strip()) == (2, "course: interrupted")
     assert "interrupted: writing what is graded" in said
     assert (tmp_path / "scores.csv").is_file()
     assert sorted(path.name for path in tmp_path.glob(".*")) == [".lock"]
