@@ -109,7 +109,7 @@ def _of_type(kind: Any) -> Coder:
         return _of_message(_class_of(kind))
     if isinstance(kind, definition.Array):
         return _of_array(kind.value_type, kind.size)
-    return _of_sequence(kind.value_type)
+    return _of_sequence(kind.value_type, getattr(kind, "maximum_size", sys.maxsize))
 
 
 def _class_of(kind: Any) -> Any:
@@ -286,11 +286,13 @@ def _write_block(out: bytearray, value: Any, code: str) -> None:
     out += block.tobytes()
 
 
-def _of_sequence(kind: Any) -> Coder:
+def _of_sequence(kind: Any, most: int) -> Coder:
     element, code = _of_type(kind), _code_of_block(kind)
     size = struct.calcsize("<" + code) if code else 0
 
     def write(out: bytearray, value: Any) -> None:
+        if len(value) > most:
+            raise AssertionError(f"expected at most {most} elements, got {len(value)}")
         _write_count(out, len(value))
         if not code:
             for entry in value:

@@ -141,15 +141,18 @@ def drive(
             env=variables,
             charge_compute=charge_compute,
             on_second_look=lambda: echo(
-                f"{file.name}: not in virtual time; once more in real time, which takes "
-                f"{chosen.duration:.0f} s",
+                f"{file.name}: not in virtual time; once more in real time, which takes its start "
+                f"and {chosen.duration:.0f} s",
                 err=True,
             ),
         )
     if bag is not None:
         from grader.recording.bag import save  # noqa: PLC0415
+        from sim.messages import typestore  # noqa: PLC0415
 
         save(recording, bag)
+        if own := {each.type for each in recording.published} - typestore().fielddefs.keys():
+            echo(f"{bag}: without {', '.join(own)}: a bag has ROS's own types alone", err=True)
     practice = "" if elsewhere else forkserver.practice
     driving.print_summary(
         recording, file=str(file), seed=seed, practice=practice,

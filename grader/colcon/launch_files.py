@@ -8,6 +8,7 @@ one line.
 from __future__ import annotations
 
 import contextlib
+import importlib
 import os
 import sys
 from collections.abc import Iterator, Mapping
@@ -33,15 +34,35 @@ def read(
     paths = (str(here), os.environ.get("AMENT_PREFIX_PATH", ""))
     os.environ["AMENT_PREFIX_PATH"] = os.pathsep.join(filter(None, paths))
     context = Context(package, packages | {package})
-    with standing_in(_modules()):
+    with standing_in(_modules()), _foreign_packages():
         launch_stand_in.include(file, context)
     if not context.started:
         own = package or ", ".join(packages)
         raise Mistaken("; ".join([f"{file} starts no node of the package {own}", *context.notes]))
     for each in context.started:  # the package lies elsewhere when the nodes run
+        if launch_stand_in.FOREIGN in (needs := " ".join((*each.arguments, *each.made.values()))):
+            raise FileNotFoundError(needs)
         each.arguments = tuple(word.replace(f"{here}/", "") for word in each.arguments)
         each.made = {name: text.replace(f"{here}/", "") for name, text in each.made.items()}
     return context.started, context.notes
+
+
+@contextlib.contextmanager
+def _foreign_packages() -> Iterator[None]:
+    """Let a launch file ask where packages lie that are not here; what it includes is left out."""
+    packages: Any = importlib.import_module("ament_index_python.packages")  # comes with ROS
+    find = packages.get_package_prefix
+
+    def found(name: str) -> str:
+        with contextlib.suppress(packages.PackageNotFoundError):
+            return str(find(name))
+        return f"{launch_stand_in.FOREIGN}{name}"
+
+    packages.get_package_prefix = found
+    try:
+        yield
+    finally:
+        packages.get_package_prefix = find
 
 
 @contextlib.contextmanager

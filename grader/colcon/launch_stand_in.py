@@ -37,6 +37,7 @@ NODES_OWN = (
 LEFT = {"shell", "prefix", "cwd", "env", "additional_env", "on_exit", "process_description"}
 RCLPYS = "this Node is rclpy's; write `from launch_ros.actions import Node`"
 RETURNS = "its last line has to be `return LaunchDescription([…])`"
+FOREIGN = "/not/here/"  # where a package lies that is not here
 MAX_DEPTH = 8  # of launch files that include one another
 
 
@@ -91,6 +92,10 @@ def include(file: str, context: Context) -> None:
     Raises Unknown: it has something that is not known here.
     Raises Mistaken: it has something that is wrong.
     """
+    if file.startswith(FOREIGN):
+        package = file.removeprefix(FOREIGN).partition("/")[0]
+        context.notes.append(f"{Path(file).name} of the package {package} is not started here")
+        return
     if context.depth == MAX_DEPTH:
         raise Mistaken(f"{file}: launch files that include one another without end")
     context.depth += 1

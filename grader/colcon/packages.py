@@ -308,9 +308,10 @@ def _pyproject(here: Path) -> dict[str, Any]:
 def _cmake(here: Path, name: str) -> dict[str, Any]:
     """Return what CMakeLists.txt installs of files that need no building."""
     text = re.sub("#.*", "", (here / "CMakeLists.txt").read_text("utf-8"))
+    text = text.replace("${PROJECT_NAME}", name)
     shared: list[tuple[str, list[str]]] = []
     scripts: list[str] = []
-    for kind, sources, place in INSTALL.findall(text.replace("${PROJECT_NAME}", name)):
+    for kind, sources, place in INSTALL.findall(text):
         for source in sources.replace('"', "").split():
             if kind == "PROGRAMS":
                 scripts.append(source)
@@ -323,7 +324,9 @@ def _cmake(here: Path, name: str) -> dict[str, Any]:
                     for file in sorted((here / source).rglob("*"))
                     if file.is_file()
                 ]
-    return {"packages": (), "data_files": shared, "scripts": scripts}
+    own = re.findall(r"ament_python_install_package\(\s*(\w+)", text)
+    packages = [p for n in own for p in _found_packages(here, (), (n, f"{n}.*"))]
+    return {"packages": packages, "data_files": shared, "scripts": scripts}
 
 
 def _found_packages(
@@ -383,8 +386,9 @@ def _said(error: BaseException, here: Path) -> str:
     if isinstance(error, Unbuildable | launch_files.Unknown | launch_files.Mistaken):
         place = getattr(error, "where", "")
         return (f"{place}: " if place else where) + str(error)
-    if type(error).__name__ == hints.NO_PACKAGE:
-        return f"{where}{hints.no_package(str(error))}"
+    foreign = re.search(rf"{launch_stand_in.FOREIGN}(\w+)", str(error))
+    if foreign or type(error).__name__ == hints.NO_PACKAGE:
+        return where + hints.no_package(f"'{foreign[1]}'" if foreign else str(error))
     if "Node.__init__() got an unexpected keyword" in str(error):
         return f"{where}{launch_stand_in.RCLPYS}"
     text = " ".join(str(error).split()).replace(f"{here}/", "")

@@ -26,6 +26,7 @@ NOT_SAID = re.compile(r"(^|/)(exercise\.toml|test_\w+\.py)$")  # the course's ow
 POINTER = b"version https://git-lfs.github.com/spec/"  # how one begins
 MANIFEST = "package.xml"
 SETUPS = ("setup.py", "setup.cfg", "pyproject.toml")
+PROGRAMS = re.compile(rb"^\s*(install\(\s*PROGRAMS|ament_python_install_package)\b", re.MULTILINE)
 LAUNCH = "launch.py"  # the end of a launch file's name
 MODULES = 6  # folders of modules in one another, up to the package
 MOST_LOOKED_AT = 200  # entries of a folder, for a package
@@ -152,7 +153,9 @@ class Submission:
                 f"{listed(pointers)}: only a Git LFS pointer, which stands for the file; "
                 "`git lfs pull` brings the file itself."
             )
-        return [*said, *([f"Left behind: {'; '.join(self.left)}."] if self.left else [])]
+        said += [f"{note}." for note in self.left if note.startswith(interfaces.STOPS)]
+        left = [each for each in self.left if not each.startswith(interfaces.STOPS)]
+        return [*said, *([f"Left behind: {'; '.join(left)}."] if left else [])]
 
 
 def find_submission(
@@ -185,13 +188,16 @@ def find_submission(
     problems = [_problem(file, launched=launched) for file in (path, *found)]
     problem = next(filter(None, problems), "")
     there = beside(path.parent)  # as Python has it, where a link leads
-    own = {} if expected else _interfaces_around(path)
+    tops = dict.fromkeys(n[: n.find("/") + 1] for n in there.files if "/" in n)
+    files, said = interfaces.taken(there.files, tops)
+    own, more = ({}, []) if expected else _interfaces_around(path)
+    left = (*there.left, *said, *more)
     if launched:
-        every = {**own, **there.files, **{file.name: file for file in (path, *found)}}
-        return Submission(path, problem, found, every, there.left, Package(path.name, folders=()))
+        every = {**own, **files, **{file.name: file for file in (path, *found)}}
+        return Submission(path, problem, found, every, left, Package(path.name, folders=()))
     mine = {path.name, *(file.name for file in found)}
-    more = {n: file for n, file in {**own, **there.files}.items() if n not in mine}
-    return Submission(path, problem, found, more, there.left)
+    beside_it = {n: file for n, file in {**own, **files}.items() if n not in mine}
+    return Submission(path, problem, found, beside_it, left)
 
 
 def file_beside(path: Path, name: str) -> Path | None:
@@ -250,10 +256,13 @@ def _packages_of(path: Path, expected: str | None) -> tuple[Path, list[Path]] | 
                 "setup.py, in another of the same src folder, or in the folder with the packages"
             )
         return home, [home]
-    if (path.parent / "__init__.py").is_file():
-        home = next((each for each in near[1:] if is_package(each)), None)
-        return (home, [home]) if home else None
-    return None
+    home = next((each for each in near[1:] if is_package(each)), None)
+    inside = (path.parent / "__init__.py").is_file()
+    if home and not inside and expected is None:  # it may import what is installed of its package
+        own = "|".join(each.parent.name for each in home.glob("*/__init__.py")) or "$."
+        imports = rf"^\s*(?:from|import)\s+(?:{own})\b".encode()
+        inside = bool(re.search(imports, read_regular_file(path), re.MULTILINE))
+    return (home, [home]) if home and inside else None
 
 
 def _packages_in(folder: Path) -> list[Path]:
@@ -268,23 +277,27 @@ def _packages_in(folder: Path) -> list[Path]:
     ]
 
 
-def _interfaces_around(path: Path) -> dict[str, Path]:
-    """Return the interfaces of the packages in the same `src` folder as a file or a package."""
+def _interfaces_around(path: Path) -> tuple[dict[str, Path], list[str]]:
+    """Return the interfaces of packages in the `src` of a file or a package; see `taken`."""
     near = [path, *path.parents[:MODULES]]
     home = next((each for each in near if (each / MANIFEST).is_file()), None)
     if home is None:
-        return {}
+        return {}, []
     around = next((each for each in near if each.name == "src"), home.parent)
-    found: dict[str, Path] = {}
-    for each in _packages_in(around):
-        if any((each / kind).is_dir() for kind in interfaces.KINDS):
-            found |= interfaces.installed(beside(each).files)
-    return dict(itertools.islice(found.items(), MAX_FILES))
+    having = [e for e in _packages_in(around) if any((e / k).is_dir() for k in interfaces.KINDS)]
+    tops = {f"{each.relative_to(around).as_posix()}/": each for each in having}
+    inside = {top + n: file for top, e in tops.items() for n, file in beside(e).files.items()}
+    found, said = interfaces.taken(inside, tops)
+    shared = ((name, file) for name, file in found.items() if name.startswith(SHARE))
+    return dict(itertools.islice(shared, MAX_FILES)), said
 
 
 def is_package(folder: Path, setups: Sequence[str] = SETUPS) -> bool:
     """Return whether a folder is a package that colcon builds, by default with setuptools."""
     there = [name for name in (MANIFEST, *setups) if (folder / name).is_file()]
+    built = folder / interfaces.BUILD  # with CMake, which installs Python, too
+    if there == [MANIFEST] and built.is_file() and not built.is_symlink():
+        return bool(PROGRAMS.search(read_regular_file(built)))
     return there[:1] == [MANIFEST] and len(there) > 1
 
 
@@ -306,11 +319,8 @@ def _in_packages(
         )
     tops = tuple(f"{place}/".removeprefix("/") for place in places)
     kept = {n: file for n, file in there.files.items() if n == start or n.startswith(tops)}
-    if expected is None:
-        kept = {**_interfaces_around(folders[0]), **kept}
-    for top in tops:
-        inside = {n.removeprefix(top): file for n, file in kept.items() if n.startswith(top)}
-        kept |= interfaces.installed(inside)
+    own, more = _interfaces_around(folders[0]) if expected is None else ({}, [])
+    kept, said = interfaces.taken({**own, **kept}, tops)
     wanted = (expected, *others) if expected else ()
     if (named := Path(start).name) in wanted:
         wanted = (named, *(name for name in wanted if name != named))
@@ -323,7 +333,8 @@ def _in_packages(
     found = tuple(file for file in rest if file is not None)
     problem = next(filter(None, (_problem(file) for file in mine if file)), "")
     main = first or kept.get(start) or kept[manifests[0]]
-    return Submission(main, problem, found, kept, there.left, package)
+    left = (*there.left, *dict.fromkeys((*said, *more)))
+    return Submission(main, problem, found, kept, left, package)
 
 
 def _in_folder(folder: Path, expected: str | None) -> Path:

@@ -106,6 +106,8 @@ def _problems(recording: Recording, end: Endpoint, sent: Counter[str]) -> Iterat
             yield f"WARNING: {text}"
         case "client" if not _served(recording, end):
             yield "WARNING: nobody offers this service: calls are never answered"
+        case "action client" if not _served(recording, end):
+            yield "WARNING: nobody offers this action: goals are never taken"
 
 
 def _of_subscription(recording: Recording, end: Endpoint, sent: Counter[str]) -> str:
@@ -161,6 +163,9 @@ def _of_publisher(recording: Recording, end: Endpoint) -> Iterator[str]:
         if (m.topic.removeprefix(OURS), m.type) == (end.topic, end.type)
     ]
     is_command = end.topic == CMD_VEL_TOPIC and end.type in COMMANDS
+    rate = len(messages) / max(_lasted(recording), RATED)
+    if rate > MOST_NOTED:
+        yield f"WARNING: {rate:.0f} a second flood the network; 10 to 50 commands a second do"
     text = _wrong_number(messages if is_command else messages[:LOOKED_AT])
     if not text and is_command:
         text = _timed_out(recording, messages)
@@ -190,8 +195,9 @@ def _served(recording: Recording, client: Endpoint) -> bool:
     node, _, service = client.topic.rpartition("/")
     if service in PARAMETER_SERVICES or client.type.startswith(LIFECYCLE):  # in each such node
         return any(end.node == node for end in recording.endpoints)
+    offers = "service" if client.kind == "client" else "action server"
     return any(
-        (end.kind, end.topic, end.type) == ("service", client.topic, client.type)
+        (end.kind, end.topic, end.type) == (offers, client.topic, client.type)
         for end in recording.endpoints
     )
 

@@ -75,7 +75,8 @@ def _with_programs(
     }
     start = None if launch else there.get(package.start)
     if start and not package.main and start not in installed.values():  # python3 runs it, too
-        installed[package.start] = start
+        home = PurePosixPath(package.start).parent
+        installed |= {n: file for n, file in there.items() if PurePosixPath(n).parent == home}
     data = {name: path for name, path in there.items() if not name.endswith(PYTHON)}
     files = {**data, **installed}
     words = [w for each in answer.launched for w in (*each.arguments, *each.made.values())]

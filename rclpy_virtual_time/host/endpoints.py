@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 from collections.abc import Callable
 from typing import Any
 
+import rclpy.action
 import rclpy.node
 
 from .frames import EndpointReport
@@ -26,11 +29,14 @@ CREATED_BY = {
     "client": "create_client",
 }
 
+ACTIONS = {"action server": rclpy.action.ActionServer, "action client": rclpy.action.ActionClient}
+GOALS = "/_action/send_goal"  # the service after an action's name
+
 OnEndpoint = Callable[[str, Any, Any], None]  # kind, node, endpoint
 
 
 class EndpointWatch:
-    """Calls back for each publisher, subscription, service and client that a node creates."""
+    """Calls back for each publisher, subscription, service, client and action of a node's."""
 
     def __init__(self, react: OnEndpoint) -> None:
         self._react = react
@@ -40,6 +46,20 @@ class EndpointWatch:
         """Watch every node of this process."""
         for kind, method in CREATED_BY.items():
             self._watch(kind, method)
+        for kind, cls in ACTIONS.items():
+            self._watch_action(kind, cls)
+
+    def _watch_action(self, kind: str, cls: Any) -> None:
+        create = cls.__init__
+
+        @functools.wraps(create)
+        def watched(end: Any, *args: Any, **kwargs: Any) -> None:
+            create(end, *args, **kwargs)
+            name = inspect.signature(create).bind(end, *args, **kwargs).arguments["action_name"]
+            end._course_name = end._node.resolve_service_name(name + GOALS).removesuffix(GOALS)
+            self._react(kind, end._node, end)
+
+        cls.__init__ = watched
 
     def _watch(self, kind: str, method: str) -> None:
         cls: Any = rclpy.node.Node
@@ -64,6 +84,9 @@ def report(
 ) -> EndpointReport:
     """Describe an endpoint for the judge."""
     owner = node.get_fully_qualified_name()
+    if kind in ACTIONS:
+        name, type = endpoint._course_name, type_name(endpoint._action_type)
+        return EndpointReport(kind, owner, name, type, process=process)
     is_topic = kind in ("publisher", "subscription")
     # a destroyed endpoint, as it is after an exception, has no name any more
     endpoint._course_name = endpoint.topic_name if is_topic else endpoint.service_name

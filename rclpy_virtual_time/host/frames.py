@@ -144,10 +144,13 @@ class Published(msgspec.Struct, array_like=True, frozen=True):
     data: bytes  # CDR
 
 
-class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
-    """A publisher, subscription, service or client of the node's; a timer beyond TIMERS."""
+ENDS = "publisher|subscription|service|client|action server|action client|timer"
 
-    kind: Annotated[str, msgspec.Meta(pattern="^(publisher|subscription|service|client|timer)$")]
+
+class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
+    """An end of a topic, service or action of the node's; a timer beyond TIMERS."""
+
+    kind: Annotated[str, msgspec.Meta(pattern=f"^({ENDS})$")]
     node: Name
     topic: Name
     type: Name

@@ -1,7 +1,8 @@
 """Python classes of messages, services and actions, as rosidl generates them.
 
 Jazzy's own do not check a field's type before a message is sent. These check what would fail then:
-text, messages and lists of messages. A wrong number becomes what it becomes on a robot.
+text, messages, lists of messages, and lists that are too long. A wrong number becomes what it
+becomes on a robot, which takes a text of any length, too.
 """
 
 from __future__ import annotations
@@ -143,10 +144,16 @@ def _all(equal: Any) -> Any:
 
 
 def _property(field: idl.Member) -> property:
-    slot, convert = f"_{field.name}", _conversion(field)
+    slot, convert, kind = f"_{field.name}", _conversion(field), field.type
+    exact, bounded = isinstance(kind, idl.Array), isinstance(kind, idl.BoundedSequence)
+    size = kind.size if exact else kind.maximum_size if bounded else 0
 
     def write(self: Any, value: Any) -> None:
-        setattr(self, slot, convert(value))
+        value = convert(value)
+        if size and (len(value) > size or (exact and len(value) < size)):
+            wanted = f"a set or sequence with length {'' if exact else '<= '}{size}"
+            raise AssertionError(f"The '{field.name}' field must be {wanted}, not {len(value)}")
+        setattr(self, slot, value)
 
     return property(lambda self: getattr(self, slot), write, doc=f"Message field '{field.name}'.")
 

@@ -11,6 +11,7 @@ import hashlib
 import importlib
 import io
 import json
+import keyword
 import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -28,7 +29,16 @@ SECTIONS: dict[str, Any] = {  # what is told apart by lines of ---, and what it 
 parser.VALID_CONSTANT_NAME_PATTERN = re.compile(  # the same in linear time
     "[A-Z][A-Z0-9]*(_[A-Z0-9]+)*$"
 )
-FORM = "expected TYPE name, TYPE name default, or TYPE NAME=value, not indented"
+FORM = "expected TYPE name, TYPE name default, or TYPE NAME=value; of messages PACKAGE/Name name"
+KNOWN = "bool, byte, char, float32, float64, int8 to int64, uint8 to uint64, string, wstring"
+WORDS = {  # of rosidl's errors, which quote patterns, and ours
+    "invalid message name": f"there is no such type: expected {KNOWN}, or PACKAGE/Name",
+    "invalid field name": "expected a name of small letters, digits and single _, such as my_field",
+    "invalid constant name": "expected a constant's name in capitals; a default stands without =",
+    "size of array": "expected TYPE[], TYPE[3] or TYPE[<=3] for a list",
+    "index out of range": "it is indented",
+}
+KEYWORD = "{} is a word of Python's: colcon builds it, but nothing can import it; rename it"
 MAX_VALUES = 10_000_000  # in a new message
 MAX_DEPTH = 30  # messages in one another
 FILLING = ("structure_needs_at_least_one_member", idl.BasicType("uint8"))  # rosidl's
@@ -63,14 +73,17 @@ def parse(package: str, kind: str, name: str, text: str) -> Any:
         raise ValueError(f"{file}: expected a name of letters and digits, such as MyType")
     sections: list[list[tuple[str, str]]] = [[]]
     for number, line in enumerate(text.splitlines(), 1):
-        if line == "---" and kind != "msg":
-            sections.append([])
+        where = f"{file}, line {number}"
+        if kind == "msg" or line.strip(" \t-") or "--" not in line:
+            sections[-1].append((where, line))
+        elif line != "---":
+            raise ValueError(f"{where}: {line!r}: expected --- and nothing else")
         else:
-            sections[-1].append((f"{file}, line {number}", line))
+            sections.append([])
     suffixes, make = SECTIONS[kind]
     if len(sections) != len(suffixes):
         lines = f"{len(suffixes) - 1} line{'s' * (kind == 'action')} ---"
-        raise ValueError(f"{file}: expected {lines} without spaces, found {len(sections) - 1}")
+        raise ValueError(f"{file}: expected {lines}, found {len(sections) - 1}")
     names = [idl.NamespacedType([package, kind], name + suffix) for suffix in ("", *suffixes)]
     messages = [_message(*each) for each in zip(names[1:], sections, strict=True)]
     return make(names[0], *messages) if make else messages[0]
@@ -87,6 +100,8 @@ def _message(type_: idl.NamespacedType, lines: list[tuple[str, str]]) -> idl.Mes
             for each in read.fields:
                 if any(each.name == member.name for member in members):
                     raise ValueError(f"there is a field {each.name} already")
+                if keyword.iskeyword(each.name):
+                    raise ValueError(KEYWORD.format(each.name))
                 member = idl.Member(_type(each.type), each.name)
                 member.annotations.append(idl.Annotation("where", where))
                 if (value := _value(each.type, each.default_value)) is not None:
@@ -97,8 +112,14 @@ def _message(type_: idl.NamespacedType, lines: list[tuple[str, str]]) -> idl.Mes
                 constant = idl.Constant(each.name, _type(kind), _value(kind, each.value))
                 found.constants.append(constant)
         except Exception as error:  # its kinds are many
-            raise ValueError(f"{where}: {line.rstrip()!r}: {FORM} ({error})") from None
+            raise ValueError(f"{where}: {line.rstrip()!r}: {_said(str(error), line)}") from None
     return found
+
+
+def _said(error: str, line: str) -> str:
+    if error in line:
+        return FORM
+    return next((ours for theirs, ours in WORDS.items() if re.search(theirs, error)), error)
 
 
 def _value(kind: Any, value: Any) -> Any:

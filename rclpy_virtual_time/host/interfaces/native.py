@@ -10,7 +10,6 @@ import ctypes
 import functools
 import itertools
 import sys
-import traceback
 from collections.abc import Iterable
 from ctypes import Structure, c_char, c_char_p, c_size_t, c_uint8, c_void_p, py_object
 from typing import Any
@@ -74,8 +73,8 @@ def capsules(name: str, cls: Any, wanted: tuple[str, ...]) -> dict[str, Any]:
     def convert_from_py(message: Any, address: int) -> bool:
         try:
             _alive[address][1] = cdr.serialize(message)[len(cdr.HEADER) :]
-        except Exception:
-            traceback.print_exc()  # rclpy's own error, which follows, doesn't say why
+        except Exception as error:  # rclpy's own error, which follows, doesn't say why
+            print(f"{type(error).__name__}: {error}", file=sys.stderr)
             return False
         return True
 

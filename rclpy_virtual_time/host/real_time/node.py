@@ -17,7 +17,7 @@ from rclpy.task import Task
 
 from .. import asked, program, randomness
 from ..desk import desk
-from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
+from ..endpoints import ACTIONS, HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
 from ..frames import MAX_CONNECTED, MAX_ENDPOINTS, EndpointReport, Note, Pulse, Start, TuneIn
 from ..wire import Wire, ended
 from .questions import Desk
@@ -59,9 +59,9 @@ class Vitals:
                 return
             if kind == "client":
                 self._ends.append((f"client {endpoint.service_name}", endpoint))
-        elif endpoint.topic_name in HIDDEN_TOPICS:
+        elif kind not in ACTIONS and endpoint.topic_name in HIDDEN_TOPICS:
             return
-        else:
+        elif kind not in ACTIONS:
             self._ends.append((f"{kind} {endpoint.topic_name}", endpoint))
         new = report(kind, node, endpoint)
         with self._lock:

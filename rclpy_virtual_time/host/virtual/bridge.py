@@ -22,7 +22,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.qos import DurabilityPolicy
 
 from .. import advice
-from ..endpoints import HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
+from ..endpoints import ACTIONS, HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
 from ..frames import (
     MAX_ENDPOINTS,
     MAX_PUBLISHED,
@@ -148,6 +148,11 @@ class Bridge:
         return list(self._ends)
 
     def _on_endpoint(self, kind: str, node: Any, endpoint: Any) -> None:
+        if kind in ACTIONS:
+            party = self.discovery.party(node.context)
+            number = getattr(party and party.program, "number", 0)
+            self._endpoints.append(report(kind, node, endpoint, process=number))
+            return
         self.changes += 1
         self.discovery.note(kind, node, endpoint)
         mismatch = ""

@@ -77,12 +77,16 @@ def test_every_kind_of_field_has_the_bytes_and_the_hash_of_the_real_one(module: 
         "sequence<geometry_msgs/Point, 3>"
     )
     assert isinstance(message.fixed, np.ndarray)
+    message.few.extend(range(4))
+    with pytest.raises(RuntimeError):  # it has grown too long
+        serialize_message(message)
 
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("inner", 3), ("many", ["a"]), ("words", "abc"), ("words", [1]), ("header", None)],
-)
+    [("inner", 3), ("many", ["a"]), ("words", "abc"), ("words", [1]), ("header", None),
+     ("few", range(5)), ("points", [Point()] * 4), ("fixed", [1.0]), ("flags", [True] * 3)],
+)  # fmt: skip
 def test_what_can_not_stand_in_a_field_is_refused(module: Any, field: str, value: Any) -> None:
     with pytest.raises(AssertionError, match=field):
         setattr(module.Outer(), field, value)
@@ -95,7 +99,9 @@ def test_what_can_not_stand_in_a_field_is_refused(module: Any, field: str, value
     [
         ("msg", "float64", "Bad.msg, line 1: 'float64': expected TYPE name"),
         ("msg", "# a\nint8 a\nint8 a", "Bad.msg, line 3: .*there is a field a already"),
-        ("msg", f"#{' ' * 90_000}x\nint8 {60 * 'A'}a=1", "line 2: .*invalid constant name"),
+        ("msg", f"#{' ' * 90_000}x\nint8 {60 * 'A'}a=1", "line 2: .*a constant's name in capitals"),
+        ("msg", "flot a", "line 1: 'flot a': there is no such type: expected bool, "),
+        ("msg", "int8 class", "line 1: .*class is a word of Python's: colcon builds it, but"),
         ("msg", "uint8 a 256", "Bad.msg, line 1: .*<= 255"),
         ("msg", "string<=3 a 'abcd'", "Bad.msg, line 1: .*maximum length of 3"),
         ("msg", "time when", "in ROS 2 it is builtin_interfaces/Time"),
@@ -104,7 +110,8 @@ def test_what_can_not_stand_in_a_field_is_refused(module: Any, field: str, value
         ("msg", "Bad[] inner", "part of itself, .*: Bad in Bad"),
         ("msg", "Deep a\nint8[99999999] b", "more than 10,000,000 values"),
         ("msg", "float64[8000] a\nsensor_msgs/Imu[999999] b", "line 2: a message of more than"),
-        ("srv", "bool a", "Bad.srv: expected 1 line --- without spaces, found 0"),
+        ("srv", "bool a", "Bad.srv: expected 1 line ---, found 0"),
+        ("srv", "bool a\n--\nbool b", "Bad.srv, line 2: '--': expected --- and nothing else"),
         ("action", "bool a\n---\n---\n---", "Bad.action: expected 2 lines ---"),
         ("msg", "# " + 100_000 * "a", "Bad.msg: at most 100,000 bytes"),
         ("msg", "no_such_msgs/Thing a", "line 1: there is no package no_such_msgs here"),

@@ -8,10 +8,13 @@ from laid_packages import lay
 
 from grader.course.submission import find_submission
 
-MANIFEST = "<package><name>{}</name></package>"
+GROUP = "<member_of_group>rosidl_interface_packages</member_of_group>"
+MANIFEST = f"<package><name>{{}}</name>{GROUP}</package>"
 INTERFACES = {
     "our_types/package.xml": MANIFEST.format("our_types"),
     "our_types/CMakeLists.txt": """
+        find_package(rosidl_default_generators REQUIRED)
+        find_package(geometry_msgs REQUIRED)
         set(files "msg/Seen.msg" "srv/Ask.srv")  # "msg/Unlisted.msg"
         rosidl_generate_interfaces(${PROJECT_NAME} ${files} "action/Count.action")
         """,
@@ -97,6 +100,7 @@ def test_topic_service_and_action_of_an_own_package(
     assert "<- /seen our_types/msg/Seen reliable up to 10 messages" in said
     assert "at 2.0" in said and "counted lidar True 0 1 2" in said
     assert "share/our_types/msg/Seen.msg" in said  # came along
+    assert "action server /count our_types/action/Count action client /count our_types/" in said
 
 
 def test_a_workspace_that_is_handed_in_brings_them(tmp_path: Path) -> None:
@@ -132,13 +136,41 @@ def test_a_file_takes_a_folder_beside_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("file", "before", "after", "expected"),
+    [
+        (
+            "CMakeLists.txt",
+            "find_package(rosidl_default_generators",
+            "(",
+            "lacks find_package(rosid",
+        ),
+        ("CMakeLists.txt", "find_package(geometry_msgs", "(", "D) and DEPENDENCIES geometry_msgs."),
+        ("CMakeLists.txt", "rosidl_generate", "gen", "has no rosidl_generate_interfaces(…)."),
+        ("CMakeLists.txt", "Ask", "Task", "names srv/Task.srv, but there is no such file."),
+        ("package.xml", GROUP, "", f"package.xml lacks {GROUP}."),
+        ("package.xml", "our_", "our-", "expected a <name> of small letters, digits and _."),
+    ],
+)
+def test_what_colcon_would_not_build_is_said_in_a_line(
+    file: str, before: str, after: str, expected: str, tmp_path: Path
+) -> None:
+    wrong = {f"our_types/{file}": INTERFACES[f"our_types/{file}"].replace(before, after)}
+    lay(tmp_path, INTERFACES | ROBOT | {"node.py": "a"})
+    for path, files, count in (("node.py", {}, 0), ("node.py", wrong, 1), ("robot", {}, 1)):
+        found = find_submission(lay(tmp_path, files) / path)
+        stops = [line for line in found.account() if line.startswith("On a robot colcon build")]
+        assert len(stops) == count and all(expected in line for line in stops)
+        assert path == "robot" or not any("Unlisted" in name for name in found.files)
+
+
+@pytest.mark.parametrize(
     ("file", "text", "line", "expected"),
     [
         (
             "msg/Seen.msg",
             "bool a\nflot b",
             "msg import Seen",
-            "Seen.msg, line 2: 'flot b': expected",
+            "Seen.msg, line 2: 'flot b': there is no such type",
         ),
         ("srv/Ask.srv", "bool a", "srv import Ask", "our_types/srv/Ask.srv: expected 1 line ---"),
         ("msg/Seen.msg", "nav2_msgs/Costmap a", "msg import Seen", "lay the folder nav2_msgs from"),
@@ -164,4 +196,5 @@ def test_what_is_wrong_is_said_with_file_and_line(
     wrong |= {"robot/robot/both.py": f"from our_types.{line}\ndef main(): ..."}
     said = drive(lay(tmp_path, wrong) / "robot")
     assert expected in said
+    said = said.partition("On a robot")[0]
     assert "colcon" not in said and "lay the folder our_types" not in said

@@ -157,11 +157,13 @@ WORKSPACE = {
 BRINGUP = """
     from ament_index_python.packages import get_package_share_directory
     from launch import LaunchDescription
+    from launch.actions import IncludeLaunchDescription
     from launch_ros.actions import Node
 
     def generate_launch_description():
         file = get_package_share_directory("bringup") + "/q.yaml"
         return LaunchDescription([
+            IncludeLaunchDescription(get_package_share_directory("tb3") + "/launch/w.launch.py"),
             Node(package="bringup", executable="extra.py"),
             Node(package="cartographer_ros", executable="cartographer"),
             Node(package="mine", executable="two", parameters=[file])])
@@ -182,7 +184,22 @@ def test_a_launch_file_starts_nodes_of_other_packages(
     lay(tmp_path, {**WORKSPACE, launch: BRINGUP})
     submission = unpacked(find_submission(tmp_path / given), forkserver)
     assert said(drive(submission, forkserver)) == ["extra", "mine.two node brought 1"]
-    assert submission.left[0].startswith("cartographer of the package cartographer_ros")
+    assert submission.left[0] == "w.launch.py of the package tb3 is not started here"
+    assert submission.left[1].startswith("cartographer of the package cartographer_ros")
+
+
+@pytest.mark.parametrize("given", ["bringup", "bringup/extra.py", "mine/scripts/run.py"])
+def test_a_program_that_cmake_installs_or_that_imports_its_package_runs(
+    given: str, forkserver: ForkServer, tmp_path: Path
+) -> None:
+    both = {"src/bringup/tools/extra.py": "import bringup.part\nprint(bringup.part.A)"}
+    both |= {"src/bringup/bringup/part.py": "A = 7", "src/bringup/bringup/__init__.py": ""}
+    both["src/mine/scripts/two.py"] = ""
+    both["src/bringup/CMakeLists.txt"] = f"{CMAKE}\nament_python_install_package(${{PROJECT_NAME}})"
+    both["src/mine/scripts/run.py"] = "import mine.common, two\nprint(mine.common.counted() + 6)"
+    lay(tmp_path, WORKSPACE | both)
+    submission = unpacked(find_submission(tmp_path / "src" / given), forkserver)
+    assert said(drive(submission, forkserver)) == ["7"]
 
 
 def test_a_workspace_is_asked_for_what_to_start(forkserver: ForkServer, tmp_path: Path) -> None:
@@ -210,7 +227,8 @@ def test_a_launch_file_of_no_package_is_refused(tmp_path: Path) -> None:
     for given, expected in (("a.launch.py", "two.py"), ("src/b.launch.py", "two.py")):
         with pytest.raises(InputError, match="expected a launch file beside its programs"):
             find_submission(tmp_path / given, expected)
-    (tmp_path / "src" / "mine" / "setup.py").unlink()
+    for file in ("mine/setup.py", "bringup/CMakeLists.txt"):
+        (tmp_path / "src" / file).unlink()
     with pytest.raises(InputError, match="expected a launch file beside its programs"):
         find_submission(tmp_path / "src" / "b.launch.py")
 
@@ -349,7 +367,8 @@ BROKEN = {
     ),
     "no default": ({"a.launch.py": INNER}, "'word' needs a default"),
     "other package": (
-        {"a.launch.py": LAUNCH.replace('directory("mine")', 'directory("nav2_bringup")')},
+        {"a.launch.py": LAUNCH.replace('Share("mine")', 'Share("nav2_bringup")'),
+         "launch/inner.launch.py": INNER},
         "with its package.xml; its programs start alone as PACKAGE_FOLDER/NAME (one, two)",
     ),
     "no program": (
