@@ -166,7 +166,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
     ),
     (
         "AssertionError",
-        r"field must be",
+        r"field must be (?!a set or sequence)",
         "the field takes another type: `ros2 interface show TYPE` lists them",
     ),
     (

@@ -178,6 +178,9 @@ RULES = (
          "rclpy.init takes its arguments by name: rclpy.init(args=args)", API),
     Rule("TypeError", r"^$", r"\bspin\w*\(",
          "a callback of a service has to give its answer back: `return response`", NODES),
+    Rule("AssertionError", r"^The 'result' field must be a sub message of type '(\w+)_Result'", "",
+         "an action's execute callback has to give a result back: goal_handle.succeed(), then "
+         "`return \\1.Result()`", NODES),
     # queue_size, latch and other arguments of ROS 1
     Rule("TypeError", r"unexpected keyword argument 'queue_size'", "",
          "queue_size is ROS 1's: in ROS 2 the depth is the last argument, as in "
@@ -233,6 +236,12 @@ RULES = (
          "in parameters:", PARAMETERS),
     Rule("InvalidParameterTypeException", "", "",
          "a parameter keeps the type of its default: 1.0 for a float, not 1", PARAMETERS),
+    Rule("RCLError", r"'--params-file ([^']+)'\. Error: Cannot have a value before", "",
+         "in \\1 belongs a node's name, below it ros__parameters: with two underscores, and below "
+         "that NAME: VALUE", PARAMETERS),
+    Rule("RCLError", r"'--params-file ([^']+)'\. Error: (?:Error parsing|while)", "",
+         "\\1 is no YAML: indent by blanks, never by tabs, and leave one after each colon",
+         PARAMETERS),
     # futures and coroutines
     Rule("AttributeError", r"'Future' object has no attribute '(\w+)'", "",
          "this is a future, which will hold the answer: answer = future.result(), in a function "

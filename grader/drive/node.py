@@ -192,6 +192,7 @@ def drive_node(
 
     If a scenario uses the student's own model, it is taken from the node's folder.
     """
+    limits = limits or (Limits(start=10.0) if on_second_look else None)
     submission = unpacked(submission, launcher)
     own = [name for name, model in scenario.node.models.items() if model.probe == OWN]
     beside = [file for name in own if (file := file_beside(submission.path, name)) is not None]
@@ -227,7 +228,7 @@ def drive_node(
         reason=busy_wait(recording) if hung else recording.outcome.text,
         stamped=stamped, lenient=True,
     )  # fmt: skip
-    if hung and (real.outcome.kind == "hung" or not real.delivered):
+    if hung and not real.published and (real.outcome.kind == "hung" or not real.delivered):
         outcome = replace(recording.outcome, text=f"{recording.outcome.text}{NEITHER}")
         return replace(recording, outcome=outcome, endpoints=recording.endpoints or real.endpoints)
     return real

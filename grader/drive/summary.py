@@ -59,8 +59,10 @@ def print_summary(
     for line in event_lines(recording):
         say(f"  {escape(line)}")
     detail = recording.outcome.detail
+    told = _ending(recording)
     for line in told_first(detail) or detail.splitlines()[-LAST_LINES:]:
-        say(f"    {escape(line)}", style="dim")
+        if line.startswith(" ") or ": " not in line or line.partition(": ")[2] not in told:
+            say(f"    {escape(line)}", style="dim")
     for line in account_of(recording):
         say(f"  {escape(line)}")
     for line in growth_of(recording):

@@ -15,6 +15,7 @@ import numpy as np
 from grader.recording.costs import lidar_period
 from grader.recording.recording import Endpoint, Recording
 from grader.recording.views import Floats
+from grader.recording.words import told_lines
 from rclpy_virtual_time import Note
 
 PARTS, MIN_MESSAGES = 5, 40  # of a trial, and messages in each part
@@ -195,8 +196,8 @@ def growth_of(recording: Recording, *, models: bool = True) -> list[str]:
             f"{1000 * rise.last:.1f} ms after {recording.duration_s:.0f} s. What is made or kept "
             "for each message, and never let go?"
         )
-    if len(recording.log) > FLOOD * max(recording.duration_s, 1.0):
-        rate = len(recording.log) / max(recording.duration_s, 1.0)
+    rate = len(told_lines(recording.log)) / max(recording.duration_s, 1.0)
+    if rate > FLOOD:
         said.append(
             f"the node says {rate:.0f} lines a second; "
             "get_logger().info(…, throttle_duration_sec=1.0) says one"

@@ -24,10 +24,14 @@ EXECUTORS = "rclpy/executors.py"
 KERNEL = "rclpy_virtual_time/host/virtual"  # a thread in there waits for its turn
 HALTS = {
     "hung": "the node did not come back from",
-    "never_spun": "the node never spins: its program waits in",
+    "never_spun": "the node never spins: its program stays in",
     "stuck": "the node waits for good in",
 }
 WANTS = "give such a loop a time.sleep(0.05), or make it a timer's callback"
+SPIN = (
+    "a rate's timer fires while something spins: before the loop, threading.Thread(target="
+    "rclpy.spin, args=(node,), daemon=True).start()"
+)
 MAX_FRAMES = 4
 MAX_SOURCE = 160  # [characters] of a line
 LOOP_TOLD = "loop: "
@@ -53,13 +57,12 @@ def located(recording: Recording, submission: Submission) -> Recording:
     outcome = recording.outcome
     if outcome.kind not in HALTS:
         return recording
-    waits = outcome.kind == "stuck"  # every thread does
-    if not (told := _account(outcome.detail, _sources(submission), waits=waits)):
+    if not (told := _account(outcome.detail, _sources(submission), outcome.kind)):
         return recording
     place, inner = told.splitlines()[:2]
     if outcome.kind == "hung" and place == f"in {START_UP}" and f"\n{LOOP_TOLD}" in told:
         told += f"\ntry: {WANTS}"
-    line = inner.partition(", ")[2]
+    line = inner if submission.package else inner.partition(", ")[2]  # there may be several
     text = f"{HALTS[outcome.kind]} {place.removeprefix('in ')} ({line})"
     outcome = replace(outcome, text=text, detail=f"{told}\n\n{outcome.detail}")
     return replace(recording, outcome=outcome)
@@ -72,7 +75,7 @@ def busy_wait(hung: Recording) -> str:
     return f"{BUSY_WAIT} ({(loops or ['such as `while not done: pass`'])[0]}): {WANTS}"
 
 
-def _account(stacks: str, sources: Sources, *, waits: bool) -> str:
+def _account(stacks: str, sources: Sources, kind: str) -> str:
     thread = _hanging(list(_threads(stacks)))
     place, own = START_UP, list[_Entry]()
     for entry in thread:
@@ -97,8 +100,10 @@ def _account(stacks: str, sources: Sources, *, waits: bool) -> str:
         lines.append("try: brackets after target call it here and now: write target=self.work")
     elif place == "the constructor":
         lines.append("try: the constructor has to end before anything can be called back")
-    elif waits and (said := wait_for_good(inner)):
+    elif kind == "stuck" and (said := wait_for_good(inner)):  # every thread waits
         lines.append(f"try: {said}")
+    elif kind == "never_spun" and re.search(r"rate\w*\.sleep\(", inner):
+        lines.append(f"try: {SPIN}")
     return "\n".join(lines)
 
 

@@ -102,7 +102,7 @@ def run_live_trial(
             models = ModelService(scenario, simulation.seed, recorder.delivered, began=None)
             hosts = LiveHosts(
                 forkserver.live, staged.folder, staged.programs, staged.offers,
-                host_seed(simulation.seed), models, Limits.start, lenient=lenient,
+                host_seed(simulation.seed), models, Limits.start / (1 + lenient), lenient=lenient,
             )  # fmt: skip
             trial = _LiveTrial(simulation, recorder, hosts, staged, models)
             recording = located(trial.run(reason), submission)

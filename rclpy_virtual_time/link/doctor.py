@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import tempfile
 from collections.abc import Mapping
@@ -93,6 +94,8 @@ class Diagnosis:
             with ForkServer(EPOCH) as forkserver:
                 means = forkserver.means
                 ros = f"{forkserver.ros.distro.capitalize()}, {forkserver.ros.kind}"
+                if (sourced := os.environ.get("ROS_DISTRO", "")) not in ("", forkserver.ros.distro):
+                    ros += f"; {sourced.capitalize()} is sourced, and not used here"
         except EngineError as error:
             problem = str(error)
         return Diagnosis(

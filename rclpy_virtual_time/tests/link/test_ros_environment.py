@@ -134,6 +134,11 @@ def test_without_ros_it_says_how_to_install_it(
     assert "\n" not in said
 
 
+def test_a_sourced_ros_without_rclpy_is_named() -> None:
+    with pytest.raises(NoRos, match=r"^ROS 2 Jazzy is sourced, but has no rclpy for Python"):
+        RosEnvironment.find({"ROS_DISTRO": "jazzy"}, [])
+
+
 def test_the_real_one() -> None:
     ros = RosEnvironment.find()
 

@@ -22,6 +22,7 @@ import rclpy
 from builtin_interfaces.msg import Time as Stamp
 from diagnostic_msgs.msg import DiagnosticStatus as Status
 from geometry_msgs.msg import Twist
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSPresetProfiles, QoSProfile
@@ -71,6 +72,12 @@ MEANT = {
     "rclpy.spin(Agent)": "node = MyNode()",
     "rclpy.spin()": "no global node",
     "rclpy.init()": "once in main()",
+    "raise RCLError(\"file: '--params-file p.yaml'. Error: Cannot have a value before ros__par\")":
+        "in p.yaml belongs a node's name",
+    "raise RCLError(\"file: '--params-file p.yaml'. Error: Error parsing a event near line 1\")":
+        "p.yaml is no YAML",
+    "raise AssertionError(\"The 'result' field must be a sub message of type 'Go_Result'\")":
+        "`return Go.Result()`",
     "self.get_parameter('speed').get_parameter_value() < 1.0": ".double_value",
     "float(self.get_parameter('speed').get_parameter_value())": ".double_value",
     "self.declare_parameter('speed', 1.0)": "declared twice",

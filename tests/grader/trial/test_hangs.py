@@ -67,9 +67,9 @@ WAITS = """\
 """
 
 
-def hung(folder: Path, stacks: str, kind: str = "hung") -> Recording:
+def hung(folder: Path, stacks: str, kind: str = "hung", source: str = AGENT) -> Recording:
     path = folder / "agent.py"
-    path.write_text(AGENT)
+    path.write_text(source)
     simulation = Simulation(load_scenario("demo_wall"))
     return located(not_run(simulation, Outcome(kind, "no answer", 0.0, stacks)), Submission(path))
 
@@ -101,7 +101,12 @@ def test_a_constructor_that_waits_is_not_advised_to_spin(tmp_path: Path) -> None
 
     assert death is not None
     assert (death.place, death.loop) == ("the constructor", "line 17, `while True:`")
-    assert outcome.text.startswith("the node never spins: its program waits in the constructor")
+    assert outcome.text.startswith("the node never spins: its program stays in the constructor")
+
+
+def test_a_rate_wants_somebody_who_spins(tmp_path: Path) -> None:
+    never = hung(tmp_path, '  File "agent.py", line 2 in go', "never_spun", "\nrate.sleep()")
+    assert "Thread(target=rclpy.spin" in never.outcome.detail
 
 
 def test_a_loop_beside_spin_is_told_what_it_wants(tmp_path: Path) -> None:
