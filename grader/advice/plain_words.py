@@ -41,6 +41,7 @@ LIBRARIES = ("rclpy", "numpy", "sklearn", "onnxruntime", "onnx", "skl2onnx", "jo
              "math", "time", "random", "threading", "collections", "statistics")  # fmt: skip
 SOMETIMES = ("sklearn", "onnxruntime", "torch", "keras")
 INSTEAD = {  # module: what does the same here
+    "grader": "a notebook has it: hand in the .ipynb, or the file that its %%node cell writes",
     "cv2": "it is for images, and the robot here has no camera; for a scan NumPy does",
     "pandas": "np.genfromtxt reads a CSV file",
     "matplotlib": "`course drive FILE --report drive.html` shows the run",
@@ -175,6 +176,7 @@ COMMON: tuple[tuple[str, str, str], ...] = (
         "a name that a function assigns is its own: give it a value first, on every path. If the "
         "module's is meant, it needs `global`, and is better kept in self",
     ),
+    ("NameError", "'get_ipython'", "only a notebook has it: hand in what its %%node cell writes"),
     ("NameError", r"", "is it misspelt, or does it lack `self.` or an import?"),
     (
         "IndexError",

@@ -45,12 +45,12 @@ def as_files(path: Path, names: Sequence[str]) -> Iterator[Path]:
             _read(path, lambda: unpack(path, room))
             given = _folder_in(room)
         staged = stack.enter_context(fresh_folder())
-        if given.suffix.lower() == NOTEBOOK and given.is_file():
-            yield _of_notebook(given, names, staged, path)
-        elif given.is_dir():
-            yield _of_folder(given, names, staged, path)
+        if given.is_dir():
+            given = _of_folder(given, names, staged, path)
         else:
-            yield _of_copies(given.parent, names, staged, given) or given
+            given = _of_copies(given.parent, names, staged, given) or given
+        file = given / names[0] if given.is_dir() else given
+        yield _of_notebook(file, names, stack.enter_context(fresh_folder()), path) or given
 
 
 def one_of(number: Sequence[str], exercise: str | None) -> str | None:
@@ -83,17 +83,24 @@ def _of_folder(folder: Path, names: Sequence[str], staged: Path, path: Path) -> 
         return found
     notebooks = [each for each in sorted(folder.glob(f"*{NOTEBOOK}")) if not each.is_symlink()]
     if len(notebooks) == 1 and not any(folder.glob("*.py")):
-        return _of_notebook(notebooks[0], names, staged, path)
+        return notebooks[0]
     found = next((folder / name for name in names if (folder / name).exists()), None)
     return found if found is not None and folder != path else folder
 
 
-def _of_notebook(notebook: Path, names: Sequence[str], staged: Path, path: Path) -> Path:
-    """Write what a notebook's cells define, and what lies beside it; return the node's file."""
-    from grader.nbgrader.cells import last_definitions, modules  # noqa: PLC0415
-    from grader.nbgrader.intake import read_cells  # noqa: PLC0415
+def _of_notebook(notebook: Path, names: Sequence[str], staged: Path, path: Path) -> Path | None:
+    """Write what a notebook's cells define, and what lies beside it; return the node's file.
 
+    None for what is no notebook; one may be saved as a program.
+    """
+    from grader.nbgrader.cells import last_definitions, modules  # noqa: PLC0415
+    from grader.nbgrader.intake import may_be_notebook, read_cells  # noqa: PLC0415
+
+    if not notebook.is_file() or not may_be_notebook(notebook):
+        return None
     cells = [(cell.kind, cell.source) for cell in _read(path, lambda: read_cells(notebook))]
+    if not cells:
+        return None
     made = modules(cells)
     texts, _ = last_definitions(cells, made)
     own = [name for name in made if name not in wanted_in("")]  # a name of the student's choice
@@ -103,6 +110,7 @@ def _of_notebook(notebook: Path, names: Sequence[str], staged: Path, path: Path)
         raise InputError(f"{path}: expected a cell that begins with `%%node {names[0]}`; {there}")
     _copy(notebook.parent, staged)
     for name, text in texts.items():
+        (staged / name).parent.mkdir(parents=True, exist_ok=True)
         (staged / name).write_text(text, "utf-8")
     return staged / node
 

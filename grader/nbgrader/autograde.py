@@ -25,7 +25,7 @@ from grader.grading.handed_in import isolation_problem
 from grader.nbgrader.cells import Wanted, last_definitions, made_files, modules, wanted
 from grader.nbgrader.gradebook import Place, trusted_cells, write_comment, write_mark
 from grader.nbgrader.intake import read_cells
-from grader.nbgrader.judge import Verdict, judge
+from grader.nbgrader.judge import Verdict, judge, lying_beside
 from grader.nbgrader.late import look_at_due_date
 from grader.nbgrader.marks import Mark, mark_of
 from grader.nbgrader.restore import ABOUT, Trusted, restored, unreadable
@@ -141,16 +141,17 @@ class JudgeNodes(NbGraderPreprocessor):  # type: ignore[misc]
         exercise = find_exercise(slug)
         names = dict.fromkeys((*exercise.files, *modules(cells)))
         files, remarks = last_definitions(cells, list(names))
+        remarks += lying_beside(exercise, files, folder)
         seed = None
         if self.secret:
             seed = student_key(read_secret(Path(self.secret)), place.student, slug)
-        self.log.info("Judging %s of %s", slug, place.student)
-        verdict = judge(exercise, files, seed=seed, folder=folder)
-        if verdict.missing:
+        if not any(name in files for name in exercise.files):
             there = ", ".join(made_files(cells))
             found = f"its cells write {there}" if there else "none of its cells writes a file"
-            said = f"{verdict.missing} in this notebook; {found}"
-            return Verdict(None, missing=said, remarks=tuple(remarks))
+            said = f"expected a cell that begins with %%node {exercise.files[0]} in this notebook"
+            return Verdict(None, f"{said}; {found}", tuple(remarks))
+        self.log.info("Judging %s of %s", slug, place.student)
+        verdict = judge(exercise, files, seed=seed, folder=folder)
         if verdict.problem:
             self.log.error("%s of %s: %s", slug, place.student, verdict.problem)
         problem = verdict.problem if seed is None else verdict.problem and "the log says why"

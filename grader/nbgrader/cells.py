@@ -6,12 +6,15 @@ import ast
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 
 from grader.course.exercises import find_exercise
 from grader.errors import InputError
+from grader.nbgrader.intake import MAX_SOURCE
 
-MAGIC = re.compile(r"%%node[ \t]+(\S.*)")
-MODULE = re.compile(r"[A-Za-z_]\w{0,99}\.py", re.ASCII)
+MAGIC = re.compile(r"%%(node|writefile|file)[ \t]+(\S.*)")  # IPython's own write files, too
+MORE = ("-a", "--append")  # options of IPython's
+MODULE = re.compile(r"(?:[A-Za-z_]\w{0,99}/){0,3}[A-Za-z_]\w{0,99}\.py", re.ASCII)
 BOM = "\ufeff"
 QUOTES = "'\""
 
@@ -22,6 +25,7 @@ class Definition:
 
     file: str
     text: str
+    more: bool = False  # the text goes on where that of the cell before it ends
 
 
 @dataclass(frozen=True)
@@ -33,10 +37,11 @@ class Wanted:
 
 
 def definition(source: str) -> Definition | None:
-    """Return the file that a cell writes with `%%node FILE`; None if it writes none.
+    """Return the file that a cell writes with `%%node FILE`, or with IPython's `%%writefile FILE`.
 
-    This accepts more than a kernel does: blank lines, comments and other magics may come first. The
-    text is what the kernel would write: all lines below the magic, with a newline at the end.
+    None if it writes none. This accepts more than a kernel does: blank lines, comments and other
+    magics may come first. The text is what the kernel would write: all lines below the magic, with
+    a newline at the end.
     """
     lines = source.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     for number, line in enumerate(lines):
@@ -45,7 +50,12 @@ def definition(source: str) -> Definition | None:
             indent = line[: len(line) - len(line.lstrip())].replace(BOM, "")
             below = "\n".join(below.removeprefix(indent) for below in lines[number + 1 :])
             text = below if below.endswith("\n") or not below else f"{below}\n"
-            return Definition(found[1].strip(QUOTES), text)
+            if found[1] == "node":
+                return Definition(found[2].strip(QUOTES), text)
+            words = [word for word in found[2].split() if word not in MORE]
+            place = PurePosixPath(" ".join(words).strip(QUOTES))
+            file = place.name if place.is_absolute() else str(place)  # /content/agent.py: Colab
+            return Definition(file, text, len(words) < len(found[2].split()))
         if said and not said.startswith(("#", "%")):
             return None
     return None
@@ -72,7 +82,10 @@ def last_definitions(
         if made is None or made.file not in names:
             continue
         if kind == "code":
-            found.setdefault(made.file, []).append((number, made.text))
+            before, text = found.setdefault(made.file, []), made.text
+            if made.more and before:
+                text = (before.pop()[1] + text)[:MAX_SOURCE]
+            before.append((number, text))
         else:
             outside[made.file] = number, made.text
     texts, remarks = {}, []

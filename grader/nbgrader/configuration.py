@@ -10,7 +10,6 @@ from nbgrader.preprocessors import (
     CheckCellMetadata,
     ClearOutput,
     ComputeChecksums,
-    GetGrades,
     IncludeHeaderFooter,
     LockCells,
     SaveCells,
@@ -22,6 +21,7 @@ from grader.nbgrader.mark_scheme import HideMarkScheme
 from grader.nbgrader.offline import work_offline
 from grader.nbgrader.programs import find_programs
 from grader.nbgrader.release import LeaveSkeletons
+from grader.nbgrader.waiting import FILTERS, ExportGrades, ShowGrades
 
 VALIDATION_LIMIT = 300  # [s] for a test cell in `nbgrader validate`; nbgrader's own is 30
 
@@ -44,13 +44,17 @@ def set_up(config: Any) -> None:
     config.Autograde.exporter_class = CourseExporter
     config.Autograde.sanitize_preprocessors = [RestoreCells, CheckCellMetadata]
     config.Autograde.autograde_preprocessors = [JudgeNodes, AssignLatePenalties, CheckCellMetadata]
-    # Penalties once more: what a person has marked since has its points only now.
+    # Penalties once more: what a person has marked since has its points only now. So no page that
+    # is there already is kept, as formgrader keeps none.
+    config.GenerateFeedback.force = True
     config.GenerateFeedback.preprocessors = [
         AssignLatePenalties,
         HideMarkScheme,
-        GetGrades,
+        ShowGrades,
         CSSHTMLHeaderPreprocessor,
     ]
+    config.ExportApp.plugin_class = ExportGrades
     config.AssignLatePenalties.plugin_class = LatePenalty
     config.Execute.timeout = VALIDATION_LIMIT
     work_offline(config)
+    config.HTMLExporter.filters |= FILTERS

@@ -1,4 +1,4 @@
-"""Read a submitted notebook, whatever it holds, into a list of plain cells.
+"""Read a submitted notebook, whatever it holds and as what it was saved, into plain cells.
 
 Only a cell's type, text, nbgrader id and pasted pictures are kept; outputs and all other metadata
 are dropped.
@@ -13,15 +13,21 @@ from itertools import islice
 from pathlib import Path
 from typing import IO, Any
 
-from grader.course.submission import MAX_SIZE
+from grader.course.submission import MAX_SIZE, read_regular_file
+from grader.nbgrader.exported import SIGN, cells_written
 from rclpy_virtual_time import FileReader
 
+SUFFIX = ".ipynb"
 MAX_NOTEBOOK = 50 * 1024 * 1024  # [bytes], pictures and outputs included
 MAX_CELLS = 1_000
 MAX_NESTED = 500_000  # of brackets that open: each becomes an object, 50 times as large as its text
 MAX_QUOTES = 4_000_000
 MAX_SOURCE = 2 * MAX_SIZE  # [characters] of a cell; above MAX_SIZE, which the judge refuses
 MAX_PICTURES = 8 * 1024 * 1024  # [characters] of one cell
+NO_CELL = (
+    "it is a notebook saved as a program, and in none of its cells a file can be told; expected "
+    "the notebook itself (.ipynb), or the file that its %%node cell wrote"
+)
 KINDS = ("code", "markdown", "raw")
 PICTURES = ("image/png", "image/jpeg", "image/gif")
 
@@ -36,21 +42,32 @@ class Cell:
     pictures: Mapping[str, Mapping[str, str]] = field(default_factory=dict)  # name: type: base64
 
 
+def may_be_notebook(path: Path) -> bool:
+    """Return whether a file is a notebook, or a program that may be saved from one."""
+    try:
+        return path.suffix.lower() == SUFFIX or bool(SIGN.search(read_regular_file(path)))
+    except OSError:
+        return False
+
+
 def read_cells(path: Path) -> list[Cell]:
-    """Return the cells of a notebook, which another process parses.
+    """Return the cells of a notebook, which another process parses; none of another program.
 
     Raises FileReader.Refused: it is not a notebook, is too large, or is not an ordinary file.
     """
     try:
         return FileReader(answer=64 << 20).read(
-            cells_in, MAX_NOTEBOOK, file=path, returns=list[Cell]
+            cells_in, MAX_NOTEBOOK, path.suffix.lower() == SUFFIX, file=path, returns=list[Cell]
         )
     except OSError as error:
         raise FileReader.Refused(f"the file cannot be read ({error.strerror})") from None
 
 
-def cells_in(file: IO[bytes], most: int = MAX_NOTEBOOK) -> list[Cell]:
+def cells_in(file: IO[bytes], most: int = MAX_NOTEBOOK, sure: bool = True) -> list[Cell]:
     """Return the cells of a notebook of at most `most` bytes, in this process.
+
+    Of one that was saved as a program they are those that write files; none of a program that is no
+    notebook, unless the caller is `sure` that it is one.
 
     Raises FileReader.Refused: it is not a notebook, or is too large.
     """
@@ -62,6 +79,11 @@ def cells_in(file: IO[bytes], most: int = MAX_NOTEBOOK) -> list[Cell]:
     try:
         text = data.decode("utf-8-sig", "replace")
         del data
+        if not text.lstrip().startswith("{"):
+            if (saved := cells_written(text)) == []:
+                raise FileReader.Refused(NO_CELL)
+            if saved is not None or not sure:
+                return [Cell("code", source[:MAX_SOURCE]) for source in (saved or ())[:MAX_CELLS]]
         notebook = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise FileReader.Refused(f"it is not JSON ({_short(error)})") from None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from grader.course.beside import MAX_BYTES, beside
 from grader.course.exercises import Exercise
 from grader.course.students import Seed
 from grader.course.submission import read_regular_file
+from grader.course.untouched import untouched
 from grader.errors import GraderError
 from grader.grading.handed_in import grade_files
 from grader.grading.withheld import for_students
@@ -22,9 +23,24 @@ class Verdict:
     """What the judge says of one exercise of one student."""
 
     grading: dict[str, Any] | None  # as `course grade --json -` writes it, for the student to see
-    problem: str = ""  # why there is none: the grader's fault, a person has to look
-    missing: str = ""  # why there is none: the student handed nothing in
+    problem: str = ""  # why there is none; a person has to look
     remarks: tuple[str, ...] = ()
+
+
+def lying_beside(exercise: Exercise, files: dict[str, str], folder: Path) -> Iterator[str]:
+    """Add the files beside a notebook of which no cell writes more than a skeleton; yield remarks.
+
+    An editor wrote them, or other code than a magic's.
+    """
+    for name in exercise.files:
+        with contextlib.suppress(OSError):
+            lying, own = read_regular_file(folder / name), files.get(name, "").encode()
+            if untouched({name: lying}) or lying == own:
+                continue
+            counts = "cell"
+            if not own or untouched({name: own}):
+                files[name], counts = lying.decode("utf-8", "replace"), "file"
+            yield f"{name} beside the notebook is not what a cell writes; the {counts} counts."
 
 
 def judge(
@@ -40,8 +56,6 @@ def judge(
     `CourseExporter` has made sure that other people's code may run on this machine.
     """
     contents = {name: text.encode("utf-8", "replace") for name, text in files.items()}
-    if not any(name in files for name in exercise.files):
-        return Verdict(None, missing=f"expected a cell that begins with %%node {exercise.files[0]}")
     for name, path in beside(folder).files.items() if folder else ():
         if name not in (*contents, *exercise.files):  # those are what the cells write
             with contextlib.suppress(OSError):

@@ -30,8 +30,6 @@ def mark_of(asked: Wanted, verdict: Verdict, max_points: float) -> Mark:
     The checks' points come from the judge. If the instructor gave the cell another maximum, they
     are scaled to it.
     """
-    if verdict.missing:
-        return Mark(0.0, False, said=verdict.missing)
     if verdict.grading is None:
         return Mark(None, True, said=f"could not be judged: {verdict.problem}")
     checks = _chosen(asked, verdict.grading["checks"])

@@ -34,7 +34,7 @@ from rclpy_virtual_time import FileReader
 TEMPLATES = Path(__file__).parent / "templates"
 MAX_FORMULA = 2_000  # [characters]; a longer one stays as it was typed
 READER = FileReader(cpu=2, answer=64 << 20)  # of a notebook's cell
-PAGE = 20.0  # [s] for the cells of a page; an honest notebook takes less than one
+PAGE = 20.0  # [s] of CPU time for the cells of a page; an honest notebook takes less than one
 TAG = 0.0002  # [s] that nbconvert takes for a tag of the page, in nbgrader's own process
 MAX_TAGS = 10_000
 MAX_DEPTH = 100  # of tags in one another: nbconvert takes the square of it
@@ -159,20 +159,26 @@ def as_it_is(page: str) -> str:
 def _rendered(context: Any, work: Callable[..., str], source: str, *more: Any) -> str:
     page = context.get("resources")
     spent = page.get("course_spent", 0.0) if isinstance(page, dict) else 0.0
-    begin = time.monotonic()
+    took = float(READER.cpu)  # at most
     try:
         if spent > PAGE:
             raise FileReader.Refused(f"the page takes more than {PAGE:g} s")
-        made = READER.read(work, source, *more, returns=str)
+        made, took = READER.read(timed, work.__name__, source, *more, returns=tuple[str, float])
     except FileReader.Refused as refused:
         why = f"This cell is shown as it was typed: {refused}."
         made = f"<p><em>{escape(why)}</em></p><pre>{escape(source)}</pre>"
     if isinstance(page, dict):
-        page["course_spent"] = spent + time.monotonic() - begin + TAG * made.count("<")
+        page["course_spent"] = spent + took + TAG * made.count("<")
     return made
 
 
 # --- in the cell ---------------------------------------------------------------------------------
+
+
+def timed(work: str, *arguments: Any) -> tuple[str, float]:
+    """Return what a function below makes, and the CPU time of this process [s]."""
+    made: str = {"page_of": page_of, "highlighted": highlighted}[work](*arguments)
+    return made, time.process_time()
 
 
 def page_of(source: str, attachments: Mapping[str, Mapping[str, str]]) -> str:

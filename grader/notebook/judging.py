@@ -10,6 +10,7 @@ import msgspec
 
 from grader.course.exercises import Exercise, find_exercise
 from grader.errors import GraderError, InputError
+from grader.notebook.cells import MAGIC
 from grader.notebook.child import JUDGE
 from grader.notebook.frame import frame_html
 from grader.notebook.kind import sentence
@@ -27,7 +28,7 @@ from grader.notebook.orders import (
 from grader.notebook.report import CheckReport
 from grader.notebook.session import SESSION, exercise_of
 from grader.notebook.show import Progress, preformatted, tell
-from grader.notebook.written import age_of, newer_cell
+from grader.notebook.written import age_of, other_cell
 
 
 def drive_file(
@@ -79,7 +80,7 @@ def check_file(name: str | None, file: str | Path | None, *, field: bool) -> Che
         return None
     grading = msgspec.json.decode(answer.grading)
     report = CheckReport(
-        grading, answer.text, answer.page, answer.first, answer.changed, written, newer_cell(path)
+        grading, answer.text, answer.page, answer.first, answer.changed, written, other_cell(path)
     )
     bar.end(report.shown())
     return report
@@ -125,7 +126,7 @@ def _bounds(minutes: float | None, tries: int | None) -> tuple[float | None, int
 def _written(path: Path) -> str:
     """Say when a file was written, and whether this kernel did it."""
     ours = SESSION.written.get(path.name, Path()).resolve() == path
-    before = "" if ours else ", not by a cell of this kernel: if the cell is newer, run it"
+    before = "" if ours else f", not by a {MAGIC} cell of this kernel: if the cell is newer, run it"
     return f"{path.name} was written {age_of(path)}{before}"
 
 

@@ -1,4 +1,4 @@
-"""How old a judged file is, and whether the notebook's cell has changed since."""
+"""How old a judged file is, and whether it is what the notebook's cell writes."""
 
 from __future__ import annotations
 
@@ -29,28 +29,37 @@ def age_of(path: Path, now: float | None = None) -> str:
     return time.strftime("on %d %b %Y at %H:%M", time.localtime(at))
 
 
-def newer_cell(path: Path) -> str:
-    """Warn if the saved notebook has another text for a file than the file has; "" if not.
+def other_cell(path: Path) -> str:
+    """Warn if the saved notebook has another text for a file, or none; "" if it has this one.
 
-    Where nobody says which notebook this is, as on Colab, nothing is known.
+    A cell that wrote it in this kernel may not be saved yet. Where nobody says which notebook this
+    is, as on Colab, nothing is known.
     """
     notebook = _notebook()
     if notebook is None:
         return ""
     try:
-        if notebook.stat().st_mtime <= path.stat().st_mtime:
-            return ""
+        newer = notebook.stat().st_mtime > path.stat().st_mtime
         own = read_regular_file(path, MAX_SIZE).decode("utf-8")
         with open_regular_file(notebook) as file:  # the student's own, in the student's process
-            cells = [(cell.kind, cell.source) for cell in cells_in(file) if cell.kind == "code"]
+            cells = [(cell.kind, cell.source) for cell in cells_in(file)]
     except (OSError, UnicodeDecodeError, FileReader.Refused):
         return ""
     texts, _ = last_definitions(cells, [path.name])
-    if texts.get(path.name, own) == own:
+    if texts.get(path.name) == own:
+        return ""
+    if path.name in texts and newer:
+        return (
+            f"The cell “{MAGIC} {path.name}” has changed since it was run: this is about the "
+            "file as it was. Run the cell, then check again."
+        )
+    history = getattr(getattr(shell(), "history_manager", None), "input_hist_raw", ())
+    ran, _ = last_definitions([("code", source) for source in history], [path.name])
+    if not newer and ran.get(path.name) == own:
         return ""
     return (
-        f"The cell “{MAGIC} {path.name}” has changed since it was run: this is about the file as "
-        "it was. Run the cell, then check again."
+        f"No cell of this notebook, as it is saved, writes this {path.name}: hand in the file, or "
+        f"put its text into a cell “{MAGIC} {path.name}”, run it, and save."
     )
 
 

@@ -148,7 +148,8 @@ def mark_by_hand(folder: Path, key: tuple[str, str, str], score: float) -> None:
     """Give a score as the formgrader does."""
     student, notebook, cell = key
     with gradebook(folder) as book:
-        book.find_grade(cell, notebook, notebook, student).manual_score = score
+        grade = book.find_grade(cell, notebook, notebook, student)
+        grade.manual_score, grade.needs_manual_grade = score, False
         book.db.commit()
 
 

@@ -60,7 +60,6 @@ def test_the_words_are_the_terminals(given: dict[str, Any]) -> None:
     with console.capture() as said:
         render_terminal(given, console, everything=True)
     terminal = re.sub("[█░]+", "", said.get()).split()
-
     assert words(grading_html(given)) == sorted(terminal)
 
 
@@ -71,7 +70,6 @@ CAUSE = {"text": f"It looks back {HOSTILE}", "kind": "core", "where": HOSTILE, "
 def test_the_cause_stands_above_the_table_with_its_hint_unfolded() -> None:
     given = grading(check("fail"), cause=CAUSE)
     page = grading_html(given)
-
     assert page.index("It looks back") < page.index("A check that is fail.")
     assert "<details open><summary>Hint: Task 2. Hint 1 (hints.md#task-2)</summary>" in page
     assert "Not index 0." in page
@@ -84,7 +82,6 @@ def test_nothing_of_a_students_is_markup() -> None:
     given = grading(hostile, exercise=HOSTILE, file=HOSTILE, notes=[HOSTILE])
     report = CheckReport(given, HOSTILE, "<p>page</p>", HOSTILE)
     page = Page(report._repr_html_())
-
     assert not {"script", "img"} & set(page.tags)
     assert not [name for _, name, _ in page.attributes if name.startswith("on")]
     assert page.tags.count("iframe") == 1
@@ -94,7 +91,6 @@ def test_nothing_of_a_students_is_markup() -> None:
 def test_a_page_in_a_frame_is_that_page_and_reaches_nothing() -> None:
     page = f'<!DOCTYPE html><p title="a\'b">1 < 2 && {HOSTILE}</p>\n'
     frame = frame_html(page, title=HOSTILE)
-
     found = re.search(r'srcdoc="([^"]*)"', frame)
     assert found is not None
     assert html.unescape(found[1]) == page
@@ -107,6 +103,5 @@ def test_without_a_notebook_all_is_printed(capsys: pytest.CaptureFixture[str]) -
     bar.update(0.5, "half")
     bar.say(HOSTILE[:25])
     CheckReport(FULL, "table", "")._ipython_display_()
-
     assert capsys.readouterr().out == f"{HOSTILE[:25]}\ntable\n"
     assert Page(preformatted(HOSTILE)).tags == ["pre"]

@@ -91,7 +91,6 @@ def test_the_notebooks_are_made_and_only_asked_for_with_check(
     monkeypatch.setattr(build, "SOURCES", tmp_path / "source")
     text = (ROOT / "notebooks/text/01_loop/01_loop.md").read_text("utf-8")
     (texts / "01_loop/01_loop.md").write_text(text, "utf-8")
-
     assert build.main(["--check"]) == 0
     assert not list(tmp_path.rglob("*.ipynb"))
     assert build.main([]) == 0
@@ -117,10 +116,8 @@ def test_ids_stay_when_a_cell_is_put_between(tmp_path: Path) -> None:
     head, mark, tail = text.partition("## Angles wrap")
     more = f"{head}## A new part\n\nWords.\n\n```{{code-cell}}\n1 + 1\n```\n\n{mark}{tail}"
     (tmp_path / "03_goal.md").write_text(more, "utf-8")
-
     before = [cell.id for cell in stored("03_goal").cells]
     after = [cell.id for cell in build.built(tmp_path / "03_goal.md").cells]
-
     assert [name for name in after if name in before] == before
     assert len(after) == len(before) + 2
 
@@ -163,7 +160,6 @@ def test_the_release_has_exactly_the_skeletons(course: Path) -> None:
             made = definition(source_of(cell)) if cell["cell_type"] == "code" else None
             if made is not None:
                 found[made.file] = made.text
-
     for exercise in all_exercises():
         for file in exercise.files:
             assert found.pop(file) == (exercise.folder / file).read_text("utf-8")
@@ -196,7 +192,6 @@ def test_the_quiz_asks_what_the_lesson_asks(course: Path) -> None:
     quiz = (ROOT / "lessons" / "quiz.md").read_text("utf-8")
     given = released(course, "quiz")["cells"]
     text = "\n".join(source_of(cell) for cell in given)
-
     for question in re.findall(r"(?ms)^\*(.+?)\*$", quiz):
         assert question in text
     answers = [cell for cell in given if cell["metadata"].get("nbgrader", {}).get("grade")]
@@ -244,7 +239,6 @@ def complaints(notebook: Any) -> list[str]:
 @pytest.mark.parametrize("name", RUN)
 def test_with_the_solutions_every_check_passes(course: Path, tmp_path: Path, name: str) -> None:
     notebook = run(filled(course, name), tmp_path / name)
-
     assert complaints(notebook) == []
     for grade_id, want in build.asked_by(stored(name)).items():
         text = said(cell_named(notebook, grade_id))
@@ -262,7 +256,6 @@ def test_with_the_skeletons_it_runs_and_fails_kindly(
     course: Path, tmp_path: Path, name: str
 ) -> None:
     notebook = run(released(course, name), tmp_path / name)
-
     assert complaints(notebook) == []
     for cell in notebook.cells:
         assert "Traceback" not in said(cell), cell.id
@@ -279,9 +272,7 @@ def test_nbgraders_validation_agrees(course: Path, tmp_path: Path, name: str) ->
     for notebook, passes in ((filled(course, name), True), (released(course, name), False)):
         path = tmp_path / f"{name}.ipynb"
         path.write_text(json.dumps(notebook), "utf-8")
-
         text = nbgrader(tmp_path, "validate", path.name)
-
         assert ("Success! Your notebook passes all the tests." in text) == passes, text
         count = len(build.asked_by(stored(name)))
         assert (f"VALIDATION FAILED ON {count} CELL(S)" in text) != passes, text

@@ -40,7 +40,6 @@ def test_drive_says_what_course_drive_says(
 ) -> None:
     save(kernel, AGENT, RIGHT)
     said = kernel.run("drive('demo_wall')")
-
     monkeypatch.setenv("COLUMNS", "100")
     cli.main(["drive", str(folder / AGENT), "--scenario", "demo_wall"], standalone_mode=False)
     expected = capsys.readouterr().out.replace(str(folder / AGENT), AGENT)
@@ -56,11 +55,9 @@ def test_drive_says_what_course_drive_says(
 def test_drive_takes_what_the_command_takes(kernel: Kernel, folder: Path) -> None:
     save(kernel, AGENT, RIGHT)
     (folder / "mine.toml").write_text('title = "Mine"\nworld = "hall"\nduration = 2.0\n')
-
     said = kernel.run(
         "drive('mine.toml', lidar='lds01', duration=1, seed=3, params={'use_sim_time': False})"
     )
-
     assert "in mine, seed 3" in said.text
     assert "/scan  sensor_msgs/msg/LaserScan  best_effort  5 messages (5.0 Hz)" in said.text
     assert "1.0 s simulated" in said.text
@@ -71,7 +68,6 @@ def test_the_last_cell_of_a_module_that_the_node_imports_leaves_the_node_the_las
 ) -> None:
     save(kernel, AGENT, f"import os, my_limits\n{RIGHT}")
     save(kernel, "my_limits.py", "FASTEST = 0.3\n")
-
     assert f"{AGENT} in demo_wall\n" in kernel.run("drive('demo_wall', duration=1)").text
 
 
@@ -87,7 +83,6 @@ def test_a_right_solution_gets_all_points_in_the_terminals_words(
     checks = ["--only", "clear_zone", "--only", "slow_zone"]
     cli.main(["grade", "1", str(folder / AGENT), *checks], standalone_mode=False)
     expected = capsys.readouterr().out.replace(str(folder / AGENT), AGENT)
-
     assert said.stderr == ""
     age, _, table = said.text.partition(" ago.\n")
     assert age.strip().startswith(f"{AGENT} was written ")
@@ -117,7 +112,6 @@ def test_only_some_checks_and_what_they_need(kernel: Kernel) -> None:
     save(kernel, AGENT, TOO_FAST)
     kernel.run("report = check('1:clear_zone, slow_zone')")
     said = kernel.run("print(report.score, report.max_score, [c['id'] for c in report.checks])")
-
     assert said.stdout == "25 25 ['wiring', 'clear_zone', 'slow_zone']\n"
 
 
@@ -137,7 +131,6 @@ def test_a_changed_file_is_judged_anew_by_the_same_warm_judge(kernel: Kernel) ->
 def test_a_bar_shows_trials_and_checks_and_becomes_the_table(kernel: Kernel) -> None:
     save(kernel, AGENT, RIGHT)
     said = kernel.run("check()")
-
     assert len(said.displays) == 1  # the bar's place is the table's
     bars = [state["text/html"] for state in said.states if "progressbar" in state["text/html"]]
     assert len(bars) >= 2
@@ -149,7 +142,6 @@ def test_a_report_is_shown_again_in_another_cell(kernel: Kernel) -> None:
     save(kernel, AGENT, RIGHT)
     kernel.run("report = check('1:wiring')")
     said = kernel.run("report")
-
     assert "Score  5 / 5" in said.text
     assert "course-check" in said.html
 
@@ -161,7 +153,6 @@ def test_an_event_loop_and_plots_do_not_mind(kernel: Kernel) -> None:
         "async def inside():\n    return check('1:wiring')\n"
         "print((await inside()).score, asyncio.get_running_loop().is_running())"
     )
-
     assert said.traceback == ""
     assert said.stdout == "5 True\n"
 
@@ -171,7 +162,6 @@ def test_two_files_of_an_exercise_go_together(kernel: Kernel, folder: Path) -> N
     exercise = find_exercise("model_server")
     for name in exercise.files:
         save(kernel, name, (exercise.solutions / name).read_text("utf-8"))
-
     said = kernel.run("report = check('6')")
     assert kernel.run("print(report.score == report.max_score)").stdout == "True\n", said.text
     said = kernel.run("drive('detect_together')")

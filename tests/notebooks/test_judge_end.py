@@ -36,9 +36,7 @@ def test_the_stop_button_ends_the_judge_and_the_node(kernel: Kernel) -> None:
     kernel.run("check('1:wiring')")
     judge = kernel.judge()
     save(kernel, AGENT, HANGS)
-
     said = kernel.run("check()", when=lambda said: len(said.states) > 2)
-
     assert said.status == "ok"
     assert "Not checked: stopped, because you interrupted the kernel" in said.text
     assert gone(judge)
@@ -53,7 +51,6 @@ def test_a_judge_that_died_is_replaced(kernel: Kernel) -> None:
     kernel.run("check('1:wiring')")
     judge = kernel.judge()
     os.kill(judge, 9)
-
     assert "Score  5 / 5" in kernel.run("check('1:wiring')").text
 
 
@@ -78,7 +75,6 @@ def test_mistakes_are_explained_without_a_traceback(
 ) -> None:
     save(kernel, AGENT, RIGHT)
     said = kernel.run(cell)
-
     assert (said.status, said.stderr, said.traceback) == ("ok", "", "")
     assert said.text.strip().startswith("Not ")
     assert expected in said.text
@@ -86,7 +82,6 @@ def test_mistakes_are_explained_without_a_traceback(
 
 def test_a_file_of_no_exercise_can_be_driven_but_not_checked_without_a_name(kernel: Kernel) -> None:
     save(kernel, "my_node.py", RIGHT)
-
     assert "my_node.py in demo_wall" in kernel.run("drive('demo_wall')").text
     assert "say which exercise it is for" in kernel.run("check()").text
     assert "Score  5 / 5" in kernel.run("check('1:wiring', file='my_node.py')").text

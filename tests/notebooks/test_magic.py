@@ -20,7 +20,6 @@ HOSTILE = "<script>alert('x')</script>"
 
 def test_the_cell_becomes_the_file(kernel: Kernel, folder: Path) -> None:
     said = kernel.run("%%node agent.py\nx = 1\n\ny = 'ö'")
-
     assert (folder / "agent.py").read_bytes() == "x = 1\n\ny = 'ö'\n".encode()
     assert said.text.strip() == "Saved agent.py (3 lines)."
     assert said.stderr == ""
@@ -40,9 +39,7 @@ def test_the_cell_becomes_the_file(kernel: Kernel, folder: Path) -> None:
 def test_the_plug_in_reads_what_the_kernel_writes(kernel: Kernel, folder: Path, cell: str) -> None:
     file = folder / "agent.py"
     file.unlink(missing_ok=True)
-
     kernel.run(cell)
-
     read = definition(cell)
     assert read is not None
     assert read.file == "agent.py"
@@ -64,13 +61,11 @@ def test_a_syntax_error_keeps_the_file_and_says_where(kernel: Kernel, folder: Pa
 def test_nothing_is_judged_by_an_older_file_than_the_cell(kernel: Kernel) -> None:
     kernel.run("%%node obstacle_avoidance_agent.py\nx = 1\n")
     kernel.run("%%node obstacle_avoidance_agent.py\nx = (\n")
-
     for cell in ("check()", "check('1')", "drive('demo_wall')"):
         said = kernel.run(cell)
         assert said.stdout.startswith("Not ")
         assert "the last %%node obstacle_avoidance_agent.py cell was not saved" in said.stdout
         assert "was never closed" in said.stdout
-
     kernel.run("%%node obstacle_avoidance_agent.py\nx = 1\n")
     assert "0 / 100" in kernel.run("check('1')").text
 
@@ -89,7 +84,6 @@ def test_nothing_is_judged_by_an_older_file_than_the_cell(kernel: Kernel) -> Non
 def test_other_names_are_refused(kernel: Kernel, folder: Path, words: str, advice: str) -> None:
     before = sorted(folder.iterdir())
     said = kernel.run(f"%%node {words}\nx = 1\n")
-
     assert said.stdout.startswith("Not saved: ")
     assert advice in said.stdout
     assert sorted(folder.iterdir()) == before
@@ -97,7 +91,6 @@ def test_other_names_are_refused(kernel: Kernel, folder: Path, words: str, advic
 
 def test_students_text_is_text_in_the_page(kernel: Kernel) -> None:
     said = kernel.run(f'%%node agent.py\ns = "{HOSTILE}"\n')
-
     assert "<script" not in said.html
     assert "alert" in said.html  # it is shown
     refused = kernel.run(f"%%node {HOSTILE}\nx = 1\n")

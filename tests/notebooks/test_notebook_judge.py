@@ -60,7 +60,6 @@ def test_progress_is_told_to_the_end(forkservers: ForkServerPool) -> None:
     sent: list[Any] = []
     order = Grade("1", str(RIGHT), AGENT, ("slow_zone", "invalid_readings"))
     answer = graded(carry_out(order, forkservers, sent.append))
-
     assert json.loads(answer.grading)["score"] == 25
     for what in ("trial", "check"):
         steps = [step for step in sent if isinstance(step, Progressed) and step.what == what]
@@ -78,11 +77,9 @@ def test_a_notebook_carries_the_first_failure_first_and_not_more_than_it_can(
     answer = graded(carry_out(order, forkservers, lambda _: None))
     shown = replays(answer.page)
     failed = [c for c in json.loads(answer.grading)["checks"] if c["outcome"] == "fail"]
-
     assert (shown[0]["scenario"], shown[0]["title"]) == (failed[0]["scenario"], answer.first)
     with_moments = [bool(replay["moments"]) for replay in shown]
     assert with_moments[0] and with_moments == sorted(with_moments, reverse=True)
-
     monkeypatch.setattr(answers, "MAX_REPLAYS", 1)
     (only,) = replays(graded(carry_out(order, forkservers, lambda _: None)).page)
     assert (len(shown) > 1, only["scenario"]) == (True, shown[0]["scenario"])
@@ -98,7 +95,6 @@ def test_a_notebook_carries_the_first_failure_first_and_not_more_than_it_can(
 )
 def test_wrong_orders_are_explained(forkservers: ForkServerPool, order: Any, said: str) -> None:
     answer = carry_out(order, forkservers, lambda _: None)
-
     assert isinstance(answer, Problem)
     assert said in answer.text
     assert not answer.fault
@@ -114,7 +110,6 @@ def test_after_a_fault_of_ours_the_fork_servers_are_new(
     before = forkservers.of(())
     monkeypatch.setattr(judge, "grade_submission", broken)
     answer = carry_out(Grade("1", str(RIGHT), AGENT), forkservers, lambda _: None)
-
     assert answer == Problem("no host for the node", fault=True)
     assert forkservers.of(()) is not before
 
@@ -126,7 +121,6 @@ def test_a_search_tells_each_world_and_shows_the_smallest(
     file = tmp_path / AGENT
     file.write_text(RIGHT.read_text("utf-8").replace("FULL_SPEED = 0.5", "FULL_SPEED = 0.7"))
     answer = carry_out(Look("1", str(file), AGENT, tries=4), forkservers, sent.append)
-
     assert isinstance(answer, Driven), answer
     assert answer.text.startswith("In an empty world: the node asks for 0.70 m/s at ")
     assert [(step.what, step.done, step.of) for step in sent] == [

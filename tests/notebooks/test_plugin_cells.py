@@ -11,21 +11,16 @@ NODE = "x = 1\n"
 @pytest.mark.parametrize(
     "source",
     [
-        "%%node agent.py\nx = 1",
-        "%%node  agent.py \nx = 1",
-        "%%node\tagent.py\t\nx = 1",
-        "\n\n  \n%%node agent.py\nx = 1",
-        "%%node agent.py\r\nx = 1\r\n",
-        "\ufeff%%node agent.py\nx = 1",
-        "# my solution\n\n# really\n%%node agent.py\nx = 1",
-        "%%time\n%%node agent.py\nx = 1",
-        "    %%node agent.py\n    x = 1",
-        '%%node "agent.py"\nx = 1',
+        "%%node agent.py\nx = 1", "%%node  agent.py \nx = 1", "%%node\tagent.py\t\nx = 1",
+        "\n\n  \n%%node agent.py\nx = 1", "%%node agent.py\r\nx = 1\r\n",
+        "\ufeff%%node agent.py\nx = 1", "# my solution\n\n# really\n%%node agent.py\nx = 1",
+        "%%time\n%%node agent.py\nx = 1", "    %%node agent.py\n    x = 1",
+        '%%node "agent.py"\nx = 1', "%%writefile agent.py\nx = 1", "%%file ./agent.py\nx = 1",
+        "%%time\n%%writefile '/content/agent.py'\nx = 1",
     ],
-)
+)  # fmt: skip
 def test_oddly_spelled_magics_are_understood(source: str) -> None:
     made = definition(source)
-
     assert made is not None
     assert (made.file, made.text) == ("agent.py", NODE)
 
@@ -33,21 +28,16 @@ def test_oddly_spelled_magics_are_understood(source: str) -> None:
 @pytest.mark.parametrize(
     "source",
     [
-        "x = 1\n%%node agent.py\nx = 1",
-        "%%nodes agent.py\nx = 1",
-        "%%node",
-        "%node agent.py\nx = 1",
-        "'''\n%%node agent.py\n'''",
-        "# %%node agent.py\nx = 1",
+        "x = 1\n%%node agent.py\nx = 1", "%%nodes agent.py\nx = 1", "%%node",
+        "%node agent.py\nx = 1", "'''\n%%node agent.py\n'''", "# %%node agent.py\nx = 1",
     ],
-)
+)  # fmt: skip
 def test_other_cells_make_no_file(source: str) -> None:
     assert definition(source) is None
 
 
 def test_a_line_of_a_string_that_looks_like_a_magic_stays() -> None:
     made = definition("%%node agent.py\ns = '''\n%%node other.py\n'''\n")
-
     assert made is not None
     assert made.text == "s = '''\n%%node other.py\n'''\n"
 
@@ -60,7 +50,6 @@ def test_the_last_definition_counts_and_the_student_is_told() -> None:
         ("markdown", "%%node agent.py\nno code"),
     ]
     texts, remarks = last_definitions(cells, ["agent.py"])
-
     assert texts == {"agent.py": "last\n"}
     assert remarks == ["2 cells write agent.py; the last, cell 3, counts."]
 
@@ -86,6 +75,14 @@ def test_copies_retyped_cells_and_other_names(
     assert last_definitions(cells, ["agent.py"]) == (found, said)
 
 
+def test_a_cell_may_go_on_where_another_ended() -> None:
+    said = ("-a agent.py", "agent.py", "--append agent.py", "agent.py -a")
+    cells = [("code", f"%%writefile {words}\n{words}") for words in said]
+    texts, remarks = last_definitions(cells, ["agent.py"])
+    assert texts == {"agent.py": "agent.py\n--append agent.py\nagent.py -a\n"}
+    assert remarks == ["2 cells write agent.py; the last, cell 4, counts."]
+
+
 def test_a_test_cell_names_its_checks() -> None:
     assert wanted('check("1:wiring, slow_zone")') == Wanted(
         "obstacle_avoidance", ("wiring", "slow_zone")
@@ -102,5 +99,4 @@ def test_an_unknown_exercise_is_refused() -> None:
 
 def test_made_files_are_few_and_short() -> None:
     cells = [("code", f"%%node {'x' * 900}{n}.py\n") for n in range(9)]
-
     assert [len(name) for name in made_files(cells)] == [60]

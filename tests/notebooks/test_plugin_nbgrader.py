@@ -1,5 +1,6 @@
 """The plug-in in nbgrader's commands: what is refused, what a person has to look at, what stays."""
 
+import csv
 import json
 import os
 import shutil
@@ -97,7 +98,6 @@ def test_without_isolation_nothing_is_graded_and_a_fault_is_for_a_person(bad_day
     first, second = json.loads((bad_days / "said.json").read_text("utf-8"))
     marks = {mark for (_, notebook, _), mark in grades(bad_days).items() if notebook == "01_loop"}
     cell = cell_named(autograded(bad_days, "unlucky", "01_loop"), f"{SLUG}-wiring")
-
     said = "Nothing was graded: nothing is kept apart here; say so with c.JudgeNodes.trust"
     assert said in first
     assert "Traceback" not in first
@@ -111,9 +111,7 @@ def test_a_class_with_unreadable_notebooks_is_graded(course: Path, tmp_path: Pat
     hand_in_oddities(course, tmp_path)
     with_a_person = ("unlucky", "01_loop", f"{SLUG}-wiring")
     mark_by_hand(course, with_a_person, 7.0)
-
     said = nbgrader(course, "autograde", ALL, "--force")
-
     assert "Traceback" not in said
     found = grades(course)
     assert found[with_a_person] == (15.0, True)
@@ -125,19 +123,40 @@ def test_a_class_with_unreadable_notebooks_is_graded(course: Path, tmp_path: Pat
         notebook = autograded(course, student, "01_loop")
         assert notebook.cells[0].source.startswith("The submitted notebook could not be read: ")
         assert "front_distance" not in json.dumps(notebook)
-    for student in ("d_bare", "g_huge"):
+    for student in ("d_bare", "g_huge", "h_editor", "i_writes"):
         assert total(found, student, SLUG) == 100
     size = (course / "autograded" / "g_huge" / "01_loop" / "01_loop.ipynb").stat().st_size
     assert size < 200_000
     quiz = [found["e_quiz", "quiz", f"quiz-{n}"] for n in range(1, 6)]
     assert quiz == [(None, True)] * 2 + [(0.0, False)] * 3
     assert {found["f_gone", "quiz", f"quiz-{n}"] for n in range(1, 6)} == {(None, True)}
-
     nbgrader(course, "generate_feedback", "quiz", "--student", "e_quiz")
-
-    page = (course / "feedback" / "e_quiz" / "quiz" / "quiz.html").read_text("utf-8")
+    feedback = course / "feedback" / "e_quiz" / "quiz" / "quiz.html"
+    page = feedback.read_text("utf-8")
     assert "Because." in page
     assert "steal()" not in page
+    assert "quiz (Score: not judged yet / 15.0)" in page
+    assert page.count("Score: not judged yet / 3.0") == 4  # of two answers, above and beside
+    assert exported(course, "e_quiz", "quiz") == (*NO_SCORE, "6")
+    assert exported(course, "a_garbage", "01_loop") == (*NO_SCORE, "100")
+    assert exported(course, "h_editor", "01_loop") == ("100.0", "0.0", "100.0", "0")
+    for number in (1, 2):
+        mark_by_hand(course, ("e_quiz", "quiz", f"quiz-{number}"), number)
+    nbgrader(course, "generate_feedback", "quiz", "--student", "e_quiz")
+    assert "quiz (Score: 3.0 / 15.0)" in feedback.read_text("utf-8")
+    assert exported(course, "e_quiz", "quiz") == ("3.0", "0.0", "3.0", "0")
+
+
+NO_SCORE = ("", "", "")
+SCORES = ("raw_score", "late_submission_penalty", "score", "not_judged")
+
+
+def exported(course: Path, student: str, assignment: str) -> tuple[str, ...]:
+    nbgrader(course, "export")
+    with (course / "grades.csv").open(newline="") as file:
+        rows = [row for row in csv.DictReader(file)
+                if (row["student_id"], row["assignment"]) == (student, assignment)]  # fmt: skip
+    return tuple(rows[0][name] for name in SCORES)
 
 
 def hand_in_oddities(course: Path, elsewhere: Path) -> None:
@@ -162,6 +181,10 @@ def hand_in_oddities(course: Path, elsewhere: Path) -> None:
     noise = {"output_type": "stream", "name": "stderr", "text": "x" * 8_000_000}
     huge["cells"][1]["outputs"] = [noise]
     hand_in(course, "g_huge", "01_loop", huge)
+    beside = hand_in(course, "h_editor", "01_loop", released(course, "01_loop"))
+    (beside.parent / FILE).write_text(solution(SLUG, FILE))
+    hand_in(course, "i_writes", "01_loop", json.loads(
+        json.dumps(solved(course)).replace(f"%%node {FILE}", f"%%writefile {FILE}")))  # fmt: skip
 
 
 def test_every_student_has_worlds_of_their_own(
@@ -180,7 +203,6 @@ def test_every_student_has_worlds_of_their_own(
     plain = autograde.JudgeNodes()
     for name, judging in (("ann", step), ("bob", step), ("ann", plain)):
         judging._verdict(SLUG, [], Place("", "01_loop", "01_loop", name), tmp_path)
-
     key = secret.read_bytes()
     assert seeds == [student_key(key, "ann", SLUG), student_key(key, "bob", SLUG), None]
 
@@ -188,15 +210,11 @@ def test_every_student_has_worlds_of_their_own(
 def test_one_file_of_two_is_graded_as_course_grade_grades_it() -> None:
     exercise = find_exercise("model_server")
     client = solution(exercise.slug, "detection_client.py")
-
     some = judge.judge(exercise, {"detection_client.py": client, "other.py": "x"})
-    none = judge.judge(exercise, {"other.py": "x"})
-
     assert some.grading is not None
     assert 0 < some.grading["score"] < 100
     (told,) = [c for c in some.grading["checks"] if c["id"] == "server_wiring"]
     assert "there is no detection_server.py in the submission" in told["message"]
-    assert none.missing == "expected a cell that begins with %%node detection_server.py"
 
 
 def test_without_a_secret_or_ros_nothing_begins(
@@ -225,9 +243,7 @@ def test_a_release_with_an_unknown_check_is_refused() -> None:
 def test_nbgrader_finds_its_programs_where_python_is(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "/usr/bin")
     config = Config()
-
     configure(config)
-
     assert os.environ["PATH"].endswith("/bin:/usr/bin")
     steps = [step.__name__ for step in config.Autograde.autograde_preprocessors]
     assert "Execute" not in steps

@@ -38,16 +38,13 @@ def by_name(notebook: Any) -> dict[str, Any]:
 
 def test_an_honest_notebook_stays_as_it_is() -> None:
     cells = [Cell("markdown", "# Title"), MINE, CHECK, WRITTEN, Cell("code", "1 + 1")]
-
     made = restored(cells, TRUSTED)
-
     assert [cell.source for cell in made.cells] == [cell.source for cell in cells]
     assert set(by_name(made)) == {"node-agent", "ex-wiring", "quiz-1"}
 
 
 def test_changed_tests_are_as_released_and_deleted_cells_come_back() -> None:
     made = by_name(restored([Cell("markdown", "check = print", "ex-wiring")], TRUSTED))
-
     cell = made["ex-wiring"]
     assert (cell.cell_type, cell.source) == ("code", 'check("1:wiring")')
     assert (cell.metadata.nbgrader.points, cell.metadata.nbgrader.locked) == (5.0, True)
@@ -58,9 +55,7 @@ def test_changed_tests_are_as_released_and_deleted_cells_come_back() -> None:
 def test_of_copies_the_last_that_was_written_in_counts() -> None:
     untouched = Cell("markdown", ANSWER.source, "quiz-1")
     cells = [Cell("markdown", "old", "quiz-1"), Cell("markdown", "new", "quiz-1"), untouched]
-
     made = restored([*cells, CHECK, CHECK], TRUSTED)
-
     assert by_name(made)["quiz-1"].source == "new"
     assert [cell.source for cell in made.cells[:3]] == ["old", "new", ANSWER.source]
 
@@ -79,7 +74,6 @@ def test_untouched_retyped_and_unknown_cells(
 ) -> None:
     notebook = restored([cell], TRUSTED)
     made = notebook.cells[0]
-
     assert (made.cell_type, made.source) == (kind, cell.source if source is None else source)
     assert about.items() <= made.metadata[ABOUT].items()
     assert set(by_name(notebook)) == {"node-agent", "ex-wiring", "quiz-1"}
@@ -87,7 +81,6 @@ def test_untouched_retyped_and_unknown_cells(
 
 def test_tasks_are_kept() -> None:
     made = by_name(restored([Cell("markdown", "Done!", "task-1")], [TASK]))["task-1"]
-
     assert made.source == "Draw it."
     assert made.metadata.nbgrader.task
     assert not made.metadata.nbgrader.grade
@@ -95,7 +88,6 @@ def test_tasks_are_kept() -> None:
 
 def test_an_unreadable_notebook_has_every_cell_for_a_person() -> None:
     made = unreadable("this is <b>no</b> JSON", TRUSTED)
-
     assert set(by_name(made)) == {"node-agent", "ex-wiring", "quiz-1"}
     assert made.metadata[ABOUT]["problem"] == "this is <b>no</b> JSON"
     assert "this is <b>no</b> JSON" in made.cells[0].source  # which its page sanitises
@@ -103,9 +95,7 @@ def test_an_unreadable_notebook_has_every_cell_for_a_person() -> None:
 
 def test_too_much_text_is_left_out() -> None:
     cells = [Cell("markdown", "x" * 90_000)] * 60 + [MINE]
-
     made = restored(cells, TRUSTED)
-
     assert sum(len(cell.source) for cell in made.cells) < 4_100_000
     assert made.cells[59].source == "(left out: too long)"
     assert by_name(made)["node-agent"].source.endswith("mine")
@@ -125,7 +115,6 @@ def test_too_much_text_is_left_out() -> None:
 )
 def test_any_jumble_of_cells_gives_each_trusted_cell_once(cells: list[Cell]) -> None:
     made = by_name(restored(cells, [*TRUSTED, TASK]))
-
     assert set(made) == {"node-agent", "ex-wiring", "quiz-1", "task-1"}
     assert made["ex-wiring"].source == TEST.source
 
@@ -143,15 +132,10 @@ def written(folder: Path, content: Any) -> Path:
 @pytest.mark.parametrize(
     "data",
     [
-        b"",
-        b"[]",
-        b'{"cells": 3}',
-        b'{"cells": ["x", null, 7]}',
-        b'{"cells": [' + b"[" * 100_000,
-        b"\xff\xfe\x00",
-        b'{"cells": NaN}',
+        b"", b"[]", b'{"cells": 3}', b'{"cells": ["x", null, 7]}', b'{"cells": NaN}',
+        b'{"cells": [' + b"[" * 100_000, b"\xff\xfe\x00",
     ],
-)
+)  # fmt: skip
 def test_what_is_no_notebook_is_unreadable(tmp_path: Path, data: bytes) -> None:
     with pytest.raises(FileReader.Refused):
         read_cells(written(tmp_path, data))
@@ -174,7 +158,6 @@ def test_links_pipes_and_huge_files_are_not_read(
     for name in ("link", "pipe", "folder", "missing"):
         with pytest.raises(FileReader.Refused):
             read_cells(tmp_path / f"{name}.ipynb")
-
     monkeypatch.setattr(intake, "MAX_NOTEBOOK", 1000)
     path = written(tmp_path, {"cells": [{"source": "x", "outputs": ["y" * 1000]}]})
     with pytest.raises(FileReader.Refused, match="clear its outputs"):
@@ -206,9 +189,7 @@ def test_odd_notebooks_are_read(tmp_path: Path, content: Any, cells: list[Cell])
 def test_a_node_that_is_too_long_is_not_cut_to_size(tmp_path: Path) -> None:
     source = "%%node agent.py\n" + "#" * (3 * MAX_SIZE)
     cells = read_cells(written(tmp_path, {"cells": [{"cell_type": "code", "source": source}]}))
-
     made = definition(restored(cells, TRUSTED).cells[0].source)
-
     assert made is not None
     assert len(made.text) > MAX_SIZE  # which the judge refuses
 
@@ -217,7 +198,5 @@ def test_pasted_pictures_stay_and_other_attachments_go(tmp_path: Path) -> None:
     kept = {"a.png": {"image/png": "aGk="}}
     given_ = {**kept, "b": {"text/html": "<b>"}, "c.png": {"image/png": '"><script>'}, "d": 3}
     cell = {"cell_type": "markdown", "source": "x", "attachments": given_}
-
     found = read_cells(written(tmp_path, {"cells": [cell]}))
-
     assert found[0].pictures == kept

@@ -47,7 +47,6 @@ def test_the_first_cell_needs_only_python() -> None:
 
 def test_the_first_cell_goes_straight_on_where_all_is_installed(kernel: Kernel) -> None:
     said = kernel.run(BOOTSTRAP)
-
     assert said.traceback == ""
     assert said.stdout == "Ready: everything is installed.\n"
     assert (said.stderr, said.displays) == ("", [])
@@ -55,7 +54,6 @@ def test_the_first_cell_goes_straight_on_where_all_is_installed(kernel: Kernel) 
 
 def first_cell(folder: Path, cell: str = BOOTSTRAP, **environment: str) -> tuple[str, Any, Any]:
     """Run the cell where the course is not, with a pip that notes what it is asked for.
-
     Return the last line said, pip's words and its permission to break the system's packages.
     """
     (folder / "pip.py").write_text(FAKE_PIP)
@@ -84,7 +82,6 @@ def test_the_first_cell_installs_from_where_it_is_told_or_from_beside_itself(
         (tmp_path / beside).touch()
     told = {"COURSE_SOURCE": source.format(folder=tmp_path)} if source else {}
     said, words, breaks = first_cell(tmp_path, **told)
-
     assert f"No module named '{WHEEL}'" in said  # this pip installs nothing
     where = asked.format(file=f"file://{tmp_path}", beside=beside)
     assert words[:2] == ["install", "--quiet"]
@@ -94,7 +91,6 @@ def test_the_first_cell_installs_from_where_it_is_told_or_from_beside_itself(
 
 def test_without_a_wheel_the_first_cell_asks_for_it(tmp_path: Path) -> None:
     said, words, _ = first_cell(tmp_path)
-
     assert said.endswith(
         "put rclpy_agents_course-….whl, from your instructor, beside this notebook."
     )
@@ -117,7 +113,6 @@ PIP_SAYS = {
 def test_the_first_cell_says_in_one_sentence_why_not(tmp_path: Path, output: str) -> None:
     (tmp_path / "rclpy_agents_course-0.1.0-py3-none-any.whl").touch()
     said, _, _ = first_cell(tmp_path, SAY=output, EXIT="1")
-
     assert said.startswith(("NotReady: ", "__main__.NotReady: "))
     assert PIP_SAYS[output] in said
 
@@ -126,7 +121,6 @@ def test_a_notebook_shows_the_sentence_alone(kernel: Kernel, tmp_path: Path) -> 
     why = BOOTSTRAP.replace("if not (importlib", "if True or (importlib", 1)
     said = kernel.run("import sys; kept = sys.version_info; sys.version_info = (3, 10)\n" + why)
     kernel.run("sys.version_info = kept")
-
     assert said.traceback.startswith("Not ready: this is Python 3.10; choose a kernel")
     assert said.traceback.count("\n") == 0
 
@@ -138,7 +132,6 @@ def test_a_release_tells_its_notebooks_where_the_wheel_is(tmp_path: Path) -> Non
     address = "https://university.example/course/rclpy_agents_course-0.1.0-py3-none-any.whl"
     source = [line + "\n" for line in BOOTSTRAP.splitlines()]
     notebook = json.dumps({"cells": [{"source": source}]}).encode()
-
     cells = json.loads(with_address(notebook, address))["cells"]
     _, words, _ = first_cell(tmp_path, "".join(cells[0]["source"]))
     assert words[-2] == f"rclpy-agents-course[ros,ml] @ {address}"
@@ -182,9 +175,7 @@ def test_only_what_lacks_is_installed_and_a_pip_that_fails_is_explained(
     lacks = ["no-such-thing>=1"]
     monkeypatch.setattr(preparation, "required", lambda extra="": lacks if extra == "ml" else [])
     monkeypatch.setattr(preparation, "adopt", lambda ros: None)
-
     preparation.prepare_kernel()
-
     words, _ = json.loads(seen.read_text())
     assert words[0] == "install"
     assert words[-3:] == ["--constraint", str(ROOT / "constraints.txt"), "no-such-thing>=1"]
@@ -202,10 +193,8 @@ def test_nothing_is_installed_over_another_ros(
 ) -> None:
     monkeypatch.setattr(RosEnvironment, "find", Mock(side_effect=NoRos("no", "ROS 2 Lyrical")))
     monkeypatch.setattr(preparation, "adopt", lambda ros: None)
-
     assert preparation.missing() == []
     preparation.prepare_kernel()
-
     assert "\nROS 2 Lyrical is here; this is Jazzy's portable copy" in capsys.readouterr().out
 
 

@@ -50,7 +50,6 @@ def points(axes: Any) -> np.ndarray:
 def test_axes_have_names_and_units_also_those_that_are_given(show: Any) -> None:
     _, given = plt.subplots()
     axes = show("demo_wall", ax=given)
-
     assert axes is given
     assert len(plt.get_fignums()) == 1
     assert axes.get_xlabel().count("[") == 1
@@ -63,7 +62,6 @@ def test_axes_have_names_and_units_also_those_that_are_given(show: Any) -> None:
 )
 def test_left_is_left_and_ahead_is_up(degrees: float, left: float, ahead: float) -> None:
     axes = show_scan(one_thing(degrees, 2.0))
-
     np.testing.assert_allclose(points(axes), [[left, ahead]], atol=1e-6)
     first, last = axes.get_xlim()
     assert first > 0 > last  # the horizontal axis grows to the left
@@ -78,7 +76,6 @@ def test_what_is_no_distance_is_counted_and_not_drawn_as_one() -> None:
     ranges[30:33] = -math.inf
     ranges[33:35] = 99.0
     axes = show_scan((ranges, -math.pi, math.tau / 360, 0.15, 12.0))
-
     labels = [text.get_text() for text in axes.get_legend().get_texts()]
     assert labels == [
         "20 readings +inf: nothing in range",
@@ -94,7 +91,6 @@ def test_features_are_the_graders_and_a_blind_sector_is_called_blind() -> None:
     said = show_features(scan).texts[-1].get_text()
     for value in scan_features(scan):
         assert f"{value:.2f} m" in said
-
     axes = show_features(np.where(np.arange(360) < 121, math.nan, 1.0))
     assert "right minimum  blind" in axes.texts[-1].get_text()
 
@@ -104,7 +100,6 @@ def test_a_mirrored_scan_is_seen() -> None:
     ranges[270 - 5 : 270 + 6] = 1.0  # at 90°, left
     axes = show_left_right(ranges)
     mirrored = next(line for line in axes.lines if line.get_label().startswith("mirrored"))
-
     x, y = mirrored.get_data()
     assert y[np.argmin(np.abs(x + 90))] == 1.0
     assert y[np.argmin(np.abs(x - 90))] == 4.0
@@ -127,7 +122,6 @@ FIELDS = {"angle_min": -math.pi, "angle_increment": math.tau / 360}
 )
 def test_anything_that_is_a_scan_will_do(value: Any) -> None:
     scan, _ = as_scan(value)
-
     assert len(scan.ranges) == 360
     assert scan.angles[180] == pytest.approx(0.0, abs=1e-9)
 
@@ -141,7 +135,6 @@ def test_what_is_no_scan_is_refused(value: Any) -> None:
 def test_another_lidar_and_a_later_scan() -> None:
     first, _ = as_scan("avoid_cart")
     later, title = as_scan("avoid_cart", at=3.0)
-
     assert as_scan("avoid_cart", lidar="lds01")[0].angle_min == 0.0
     assert title.endswith("3.01 s")
     assert not np.array_equal(first.ranges, later.ranges)
@@ -151,7 +144,6 @@ def test_another_lidar_and_a_later_scan() -> None:
 
 def test_a_mistake_is_a_sentence_in_the_notebook(kernel: Kernel) -> None:
     said = kernel.run("show_scan('demo_wal')")
-
     assert said.traceback == "no scenario is called 'demo_wal'; did you mean 'demo_wall'?"
     assert said.stderr == ""
 

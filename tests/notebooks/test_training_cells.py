@@ -28,7 +28,6 @@ HOSTILE = f"{RED}<script>alert(1)</script>"
 
 def test_the_data_are_those_of_the_command(kernel: Kernel, folder: Path) -> None:
     said = kernel.run("data = dataset('small.npz', scans=100, seed=3)\ndata")
-
     assert said.text.strip().startswith("small.npz: 100 scans of one room; in ")
     with np.load(folder / "small.npz") as file:
         made = make_dataset(100, 3)
@@ -57,7 +56,6 @@ def test_training_shows_output_and_what_was_written(kernel: Kernel, folder: Path
     save(kernel, SCRIPT, QUICK)
     kernel.run("dataset(scans=100)")
     said = kernel.run("done = train()\nprint(done)")
-
     assert said.stdout == "True\n"
     assert "epoch 1" in said.displays[0]["text/plain"]
     assert "✓ velocity_model.pkl: 5 bytes" in said.text
@@ -70,7 +68,6 @@ def test_a_failing_script_leaves_no_model_of_an_earlier_one(kernel: Kernel, fold
     (folder / "velocity_model.pkl").write_bytes(b"old")
     save(kernel, SCRIPT, f"raise ValueError({HOSTILE!r})\n")
     said = kernel.run("print(train())")
-
     assert said.stdout == "False\n"
     assert "Not trained: train_velocity_model.py failed after" in said.text
     assert "(exit code 1)" in said.text
@@ -82,7 +79,6 @@ def test_a_failing_script_leaves_no_model_of_an_earlier_one(kernel: Kernel, fold
 def test_a_script_that_writes_nothing_is_noticed(kernel: Kernel) -> None:
     save(kernel, SCRIPT, "x = 1\n")
     said = kernel.run("print(train())")
-
     assert said.stdout == "False\n"
     assert "✗ velocity_model.pkl: was not written" in said.text
 
@@ -90,7 +86,6 @@ def test_a_script_that_writes_nothing_is_noticed(kernel: Kernel) -> None:
 def test_the_stop_button_ends_the_script(kernel: Kernel) -> None:
     save(kernel, SCRIPT, STUCK)
     said = kernel.run("print(train())", when=lambda said: "epoch 1" in said.html)
-
     assert said.stdout == "False\n"
     assert "Not trained: stopped, because you interrupted the kernel" in said.text
 

@@ -3,13 +3,14 @@
 import json
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from grader.errors import InputError
 from grader.notebook import written
 from grader.notebook.session import Session
-from grader.notebook.written import age_of, newer_cell
+from grader.notebook.written import age_of, other_cell
 
 FILE = "agent.py"
 
@@ -47,26 +48,35 @@ def test_the_age_in_words(file: Path, seconds: float, said: str) -> None:
         ("%%node agent.py\nx = 1", "%%node 'agent.py'\nx = 3"),
     ],
 )
-def test_a_newer_cell_is_noticed(file: Path, cells: tuple[object, ...]) -> None:
+def test_a_other_cell_is_noticed(file: Path, cells: tuple[object, ...]) -> None:
     saved(file.parent, *cells)
-    assert newer_cell(file).startswith("The cell “%%node agent.py” has changed")
+    assert other_cell(file).startswith("The cell “%%node agent.py” has changed")
 
 
-def test_nothing_is_said_where_nothing_is_newer(file: Path) -> None:
-    notebook = saved(file.parent, "%%node agent.py\nx = 1", "%%node other.py\ny = 1")
-    assert newer_cell(file) == ""
-    saved(file.parent, "%%node agent.py\nx = 2", kind="markdown")
-    assert newer_cell(file) == ""
-    saved(file.parent, "%%node agent.py\nx = 2")
-    os.utime(notebook, (5e8, 5e8))  # older than the file, which was written from a terminal
-    assert newer_cell(file) == ""
+@pytest.mark.parametrize("magic", ["%%node", "%%writefile", "%%file"])
+def test_a_file_that_no_cell_of_the_notebook_writes(
+    file: Path, magic: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = "No cell of this notebook, as it is saved, writes this agent.py"
+    ran = SimpleNamespace(input_hist_raw=["1/0", f"{magic} agent.py\nx = 1"])
+    notebook = saved(file.parent, f"{magic} agent.py\nx = 1", "%%node other.py\ny = 1")
+    assert other_cell(file) == ""
+    saved(file.parent, "%%node other.py\nx = 1")
+    assert other_cell(file).startswith(said)
+    saved(file.parent, f"{magic} agent.py\nx = 2")
+    os.utime(notebook, (5e8, 5e8))  # older than the file, which an editor or a terminal wrote
+    assert other_cell(file).startswith(said)
+    monkeypatch.setattr(written, "shell", lambda: SimpleNamespace(history_manager=ran))
+    assert other_cell(file) == ""  # or this kernel, with a cell that is not saved yet
+    file.write_text("x = 3\n")
+    assert other_cell(file).startswith(said)
 
 
 @pytest.mark.parametrize("content", ["{", "[]", '{"cells": [1]}', '{"cells": 3}', "[" * 99999])
 def test_a_broken_notebook_is_no_error(file: Path, content: str) -> None:
     saved(file.parent).write_text(content)
     os.utime(file.with_name("lesson.ipynb"), (2e9, 2e9))
-    assert newer_cell(file) == ""
+    assert other_cell(file) == ""
 
 
 def test_where_nobody_knows_the_notebook_nothing_is_said(
@@ -75,7 +85,7 @@ def test_where_nobody_knows_the_notebook_nothing_is_said(
     saved(file.parent, "%%node agent.py\nx = 2")
     monkeypatch.delenv("JPY_SESSION_NAME")
     assert written._notebook() is None
-    assert newer_cell(file) == ""
+    assert other_cell(file) == ""
 
 
 def test_a_module_whose_cell_was_not_saved_is_missed_where_it_is_used(tmp_path: Path) -> None:

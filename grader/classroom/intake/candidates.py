@@ -8,8 +8,8 @@ from functools import partial
 from pathlib import Path
 
 from grader.classroom.account import Account, Fate, Line
-from grader.classroom.intake.exercise_files import WORK, Found, find_files, find_sole, left_over
-from grader.classroom.intake.handed_in import HandedIn, Student
+from grader.classroom.intake.exercise_files import Found, find_files, find_sole, left_over
+from grader.classroom.intake.handed_in import WORK, HandedIn, Student
 from grader.classroom.intake.skeletons import is_handed_out
 from grader.classroom.intake.students import Intake, take_in
 from grader.classroom.intake.whose import NOTHING_KNOWN, Known

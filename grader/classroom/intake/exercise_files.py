@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
-from grader.classroom.intake.handed_in import HandedIn, Student
+from grader.classroom.intake.handed_in import WORK, HandedIn, Student
 from grader.classroom.intake.skeletons import is_empty, is_handed_out, is_skeleton, skeletons
 from grader.course.beside import MAX_BYTES, PYTHON, Lying
 from grader.course.beside import chosen as chosen_of
@@ -20,7 +20,7 @@ from grader.lms.names import copy_number, plain, uncopied
 from grader.lms.platform import Entry
 from grader.lms.unpack import is_archive, is_unread_archive
 
-WORK = (".py", ".pyw", ".py.txt")  # what may be an exercise under another name
+NOTEBOOKS = (".ipynb", ".py", ".pyw", ".txt")  # of what is no file, but its cells' files are
 SOLE = "the only file that may be work"
 NEAR = "taken for {}, since no other file has a name like it"
 ENOUGH = 0.88  # of `_nearness`; two files of the course's are at most 0.83 near
@@ -169,7 +169,7 @@ def find_sole(student: Student, names: Sequence[str]) -> Found:
 
 
 def _is_python(file: HandedIn) -> bool:
-    return file.name.lower().endswith(WORK)
+    return file.name.lower().endswith(WORK) and not file.opened
 
 
 def _near(name: str, files: Sequence[HandedIn]) -> list[HandedIn]:
@@ -211,7 +211,7 @@ def _beside(
     together = [file for file in student.files if _came_with(file, node)]
     folder, in_package = _root(PurePosixPath(node.name), {file.name for file in together})
     folders = [folder]
-    if folder.suffix == ".ipynb":  # a cell wrote it: what lies beside the notebook comes, too
+    if folder.suffix in NOTEBOOKS:  # a cell wrote it: what lies beside that comes, too
         folders.append(folder.parent)
     found: dict[str, HandedIn] = {}
     copies: dict[str, HandedIn] = {}
@@ -220,7 +220,8 @@ def _beside(
             name = PurePosixPath(file.name)
             if name.is_relative_to(each) and (in_package or file not in used):
                 place = name.relative_to(each)
-                if name == each or any(above.suffix == ".ipynb" for above in place.parents):
+                inside = any(above.suffix in NOTEBOOKS for above in place.parents)
+                if file.opened or name == each or inside:
                     continue  # of a notebook's cells, which are not this node's
                 if file.path == file.entry.path:
                     single = place.with_name(uncopied(place.name))
@@ -245,7 +246,7 @@ def _root(node: PurePosixPath, names: Collection[str]) -> tuple[PurePosixPath, b
         folder = folder.parent
     near = [folder, folder.parent]
     if folder == node.parent:  # a package's modules need no __init__.py if setup.py names it
-        near = [folder.parent] if folder.name and folder.suffix != ".ipynb" else []
+        near = [folder.parent] if folder.name and folder.suffix not in NOTEBOOKS else []
     for each in near:
         there = [name for name in (MANIFEST, *SETUPS) if (each / name).as_posix() in names]
         if there[:1] == [MANIFEST] and len(there) > 1:
@@ -272,7 +273,7 @@ def left_over(student: Student, used: Collection[HandedIn]) -> list[HandedIn]:
 
 def _called(name: str, files: Sequence[HandedIn]) -> list[HandedIn]:
     """Return the files of that name, the one that counts first."""
-    same = [file for file in files if plain(_base(file)) == plain(name)]
+    same = [file for file in files if plain(_base(file)) == plain(name) and not file.opened]
     return sorted(same, key=lambda file: (*_age(file), _base(file) != name, file.name))
 
 
@@ -295,7 +296,7 @@ def _inventory(student: Student) -> str:
     text = f"there is {shown}" + (" and more" if len(python) > 5 else "")
     if any(map(is_archive, names)):
         text += " (archives deeper inside are not unpacked)"
-    if any(name.lower().endswith(".ipynb") for name in names):
+    if any(file.opened or file.name.lower().endswith(".ipynb") for file in files):
         text += " (no %%node cell of a notebook writes it, or it is still the skeleton)"
     return text + links
 

@@ -8,6 +8,8 @@ from pathlib import Path
 from grader.lms.people import Person
 from grader.lms.platform import Entry, Who
 
+WORK = (".py", ".pyw", ".py.txt")  # what may be an exercise under another name
+
 
 @dataclass(frozen=True)
 class HandedIn:
@@ -17,6 +19,7 @@ class HandedIn:
     name: str  # what the student called it, with folders
     entry: Entry
     source: int = 0  # the download's place on the command line
+    opened: bool = False  # a notebook saved as a program: what its cells write counts in its place
 
     @property
     def depth(self) -> int:

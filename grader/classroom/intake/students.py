@@ -5,14 +5,15 @@ from __future__ import annotations
 import os
 import stat
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
 from grader.classroom.intake import notebooks, whose
-from grader.classroom.intake.handed_in import HandedIn, Student
+from grader.classroom.intake.handed_in import WORK, HandedIn, Student
+from grader.classroom.intake.skeletons import is_handed_out
 from grader.classroom.intake.whose import NOTHING_KNOWN, Known
-from grader.course.beside import MADE
+from grader.course.beside import MADE, MAX_FILES
 from grader.errors import InputError, is_disk_full
 from grader.lms.folders import LITTER
 from grader.lms.folders import PLATFORM as FOLDERS
@@ -22,6 +23,7 @@ from grader.lms.platform import Entry, Read, SetAside, Who
 from grader.lms.platforms import PLATFORMS
 from grader.lms.unpack import ARCHIVES, MAX_DEPTH, is_archive, is_unread_archive, unpack
 from grader.lms.unpack import LINK as NO_LINK
+from grader.nbgrader.intake import may_be_notebook
 from rclpy_virtual_time import FileReader
 
 MAX_LISTED = 20_000  # files of a student's folder that are listed
@@ -250,16 +252,26 @@ def _unpacked(
 
 def _open_notebooks(student: Student, room: Path, set_aside: list[SetAside]) -> None:
     there = [file for file in student.files if file.name.lower().endswith(notebooks.SUFFIX)]
+    programs = [file for file in student.files if file.name.lower().endswith(WORK)]
+    there += [file for file in programs[:MAX_FILES]
+              if may_be_notebook(file.path) and not is_handed_out(file.path)]  # fmt: skip
     for number, file in enumerate(there[:MAX_NOTEBOOKS]):
+        own = room / str(number)
+        made: list[Path] | None = []
+        remarks: list[str] = []
         try:
-            made, remarks = notebooks.node_files(file.path, room / str(number))
+            made, remarks = notebooks.node_files(file.path, own) or (None, [])
         except FileReader.Refused as error:
             student.problems.append(f"{file.name}: {error}")
+        if made is None:
             continue
         set_aside += [SetAside(f"{student.id}: {file.name}", each, fault=False) for each in remarks]
+        if file in programs:
+            student.files[student.files.index(file)] = replace(file, opened=True)
         student.files += [
-            HandedIn(path, f"{file.name}/{path.name}", file.entry, file.source) for path in made
-        ]
+            HandedIn(path, f"{file.name}/{path.relative_to(own).as_posix()}", file.entry,
+                     file.source) for path in made
+        ]  # fmt: skip
 
 
 def _files(folder: Path) -> tuple[list[Path], bool, list[str]]:

@@ -97,6 +97,8 @@ MEANT = {
     "None.x": "something is None",
     "speed": "misspelt",
     "import wsgiref; wsgiref.validate": "write `import wsgiref.validate`",
+    "import grader.nothing": "hand in the .ipynb",
+    "get_ipython()": "only a notebook has it",
     "import pandass": "there is no pandass here",
     "import nunpy": "is it numpy?",
     "raise ModuleNotFoundError(name='onnxruntime.capi')": "only where a model needs it",
