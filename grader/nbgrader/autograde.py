@@ -32,7 +32,7 @@ from grader.nbgrader.restore import ABOUT, Trusted, restored, unreadable
 from grader.nbgrader.table import output_of
 from rclpy_virtual_time import FileReader
 
-FILE = "course_file"  # in the resources: path of the submitted notebook
+FILE = "course_file"  # in the resources: path of the notebook; what lies beside it comes along
 NO_RESPONSE = "No response."  # nbgrader's own words
 
 Resources = dict[str, Any]
@@ -59,13 +59,12 @@ class CourseExporter(NotebookExporter):  # type: ignore[misc]
         self, filename: str, resources: Resources | None = None, **options: Any
     ) -> tuple[str, Resources]:
         """Convert a notebook; a submitted one is read by `RestoreCells`."""
+        given = {FILE: filename, **({} if resources is None else resources)}
         if not any(isinstance(step, RestoreCells) for step in self._preprocessors):
-            plain: tuple[str, Resources] = super().from_filename(filename, resources, **options)
+            plain: tuple[str, Resources] = super().from_filename(filename, given, **options)
             return plain
-        given = {} if resources is None else resources
         folder, name = os.path.split(filename)
         given["metadata"] = {"name": name.removesuffix(".ipynb"), "path": folder}
-        given[FILE] = filename
         made: tuple[str, Resources]
         made = self.from_notebook_node(v4.new_notebook(), given, **options)
         return made

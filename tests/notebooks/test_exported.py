@@ -56,8 +56,7 @@ def put(path: Path, text: str) -> Path:
 
 
 def handed_in(folder: Path) -> Student:
-    (student,) = take_in([folder / "in"], folder / "scratch").students
-    return student
+    return take_in([folder / "in"], folder / "scratch").students[0]
 
 
 @pytest.mark.parametrize(("name", "magic"), [("01_loop.py", "%%node"), (FILE, "%%writefile")])

@@ -182,7 +182,9 @@ def hand_in_oddities(course: Path, elsewhere: Path) -> None:
     huge["cells"][1]["outputs"] = [noise]
     hand_in(course, "g_huge", "01_loop", huge)
     beside = hand_in(course, "h_editor", "01_loop", released(course, "01_loop"))
-    (beside.parent / FILE).write_text(solution(SLUG, FILE))
+    (beside.parent / "helper.py").touch()
+    alone = f"import os, helper\nassert set(os.listdir()) <= {{'.home', 'helper.py', '{FILE}'}}\n"
+    (beside.parent / FILE).write_text(alone + solution(SLUG, FILE))
     hand_in(course, "i_writes", "01_loop", json.loads(
         json.dumps(solved(course)).replace(f"%%node {FILE}", f"%%writefile {FILE}")))  # fmt: skip
 
@@ -200,9 +202,9 @@ def test_every_student_has_worlds_of_their_own(
     secret = tmp_path / "course.secret"
     secret.write_bytes(b"0123456789abcdef")
     step = autograde.JudgeNodes(secret=str(secret))
-    plain = autograde.JudgeNodes()
+    plain, cells = autograde.JudgeNodes(), [("code", f"%%node {FILE}\n1")]
     for name, judging in (("ann", step), ("bob", step), ("ann", plain)):
-        judging._verdict(SLUG, [], Place("", "01_loop", "01_loop", name), tmp_path)
+        judging._verdict(SLUG, cells, Place("", "01_loop", "01_loop", name), tmp_path)
     key = secret.read_bytes()
     assert seeds == [student_key(key, "ann", SLUG), student_key(key, "bob", SLUG), None]
 

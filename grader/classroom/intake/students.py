@@ -23,7 +23,7 @@ from grader.lms.platform import Entry, Read, SetAside, Who
 from grader.lms.platforms import PLATFORMS
 from grader.lms.unpack import ARCHIVES, MAX_DEPTH, is_archive, is_unread_archive, unpack
 from grader.lms.unpack import LINK as NO_LINK
-from grader.nbgrader.intake import may_be_notebook
+from grader.nbgrader.intake import SUFFIX, may_be_notebook
 from rclpy_virtual_time import FileReader
 
 MAX_LISTED = 20_000  # files of a student's folder that are listed
@@ -251,20 +251,20 @@ def _unpacked(
 
 
 def _open_notebooks(student: Student, room: Path, set_aside: list[SetAside]) -> None:
-    there = [file for file in student.files if file.name.lower().endswith(notebooks.SUFFIX)]
+    there = [file for file in student.files if file.name.lower().endswith(SUFFIX)]
     programs = [file for file in student.files if file.name.lower().endswith(WORK)]
     there += [file for file in programs[:MAX_FILES]
               if may_be_notebook(file.path) and not is_handed_out(file.path)]  # fmt: skip
     for number, file in enumerate(there[:MAX_NOTEBOOKS]):
         own = room / str(number)
-        made: list[Path] | None = []
-        remarks: list[str] = []
+        found: tuple[list[Path], list[str]] | None = [], []
         try:
-            made, remarks = notebooks.node_files(file.path, own) or (None, [])
+            found = notebooks.node_files(file.path, own)
         except FileReader.Refused as error:
             student.problems.append(f"{file.name}: {error}")
-        if made is None:
+        if found is None:
             continue
+        made, remarks = found
         set_aside += [SetAside(f"{student.id}: {file.name}", each, fault=False) for each in remarks]
         if file in programs:
             student.files[student.files.index(file)] = replace(file, opened=True)
