@@ -16,7 +16,6 @@ from nbgrader.plugins import CsvExportPlugin
 from nbgrader.preprocessors import GetGrades
 
 NOT_YET = "not judged yet"
-
 Resources = dict[str, Any]
 
 

@@ -155,7 +155,6 @@ def test_each_week_has_its_own_points_less_what_lateness_costs(
 def test_a_student_gets_the_feedback_but_not_the_mark_scheme(course: Path) -> None:
     pages = {path.stem: path.read_text("utf-8")
              for path in (course / "homes" / "ann").glob("*/feedback/*/*.html")}  # fmt: skip
-
     assert set(pages) == {LOOP, GOAL, QUIZ}
     assert "Late submission penalty (Score: -20.0)" in pages[LOOP]
     assert "Late submission penalty" not in pages[GOAL]
@@ -165,7 +164,6 @@ def test_a_student_gets_the_feedback_but_not_the_mark_scheme(course: Path) -> No
 
 def test_nothing_of_the_graders_is_in_the_exchange(course: Path) -> None:
     found = [path for path in (course / "exchange").rglob("*") if path.is_file()]
-
     assert {path.relative_to(course / "exchange" / COURSE).parts[0] for path in found} == {
         "outbound", "inbound", "feedback",
     }  # fmt: skip
