@@ -69,8 +69,11 @@ def _marking(command: Callable[..., int]) -> Callable[..., int]:
     @functools.wraps(command)
     def opened(folder: Path, **options: Any) -> int:
         from grader.classroom.desk.marking import marking  # noqa: PLC0415
+        from grader.classroom.progress import say  # noqa: PLC0415
+        from grader.report.terminal import Console  # noqa: PLC0415
 
         with marking(folder) as class_:
+            class_.say = functools.partial(say, Console())
             return command(class_, **options)
 
     return click.argument("folder", type=click.Path(path_type=Path))(opened)

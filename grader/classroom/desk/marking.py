@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -76,6 +76,7 @@ class Marking:
     def __init__(self, store: Store, out: Path) -> None:
         self.store = store
         self.out = out
+        self.say: Callable[[str], object] = str  # it is told how far the writing is
         self.options: ResultOptions = kept_options(store.kept(OPTIONS), store.students())
 
     @cached_property
@@ -252,7 +253,7 @@ class Marking:
         return amended(self.results, active(entries), self.rows)
 
     def _written(self, before: Sequence[StoredResult] = ()) -> tuple[list[StoredResult], list[str]]:
-        results, written = write_class(self.store, self.out, self.options, before)
+        results, written = write_class(self.store, self.out, self.options, before, self.say)
         return results, written.missing
 
 

@@ -45,6 +45,11 @@ def course(graded: Path) -> Course:
     return course
 
 
+def test_writing_says_how_far_it_is(course: Course, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("grader.classroom.results.write.EVERY", 2)
+    assert course("marks write") == (0, "the pages of 2 of 3 students are written\nWritten.\n")
+
+
 def test_a_score_its_log_and_its_undo(course: Course, graded: Path) -> None:
     code, said = course("marks score", 85, "--student", "ann", "--why", "by e-mail", "--by", "Dr A")
     assert code == 0
