@@ -72,13 +72,13 @@ def test_the_reader_of_the_readme_finds_every_document() -> None:
 
 
 def test_paths_exist() -> None:
-    """In documents, and in backticks in programs: docstrings, comments, texts."""
+    """In documents' backticks and blocks, and in programs' backticks: docstrings, comments, texts."""
     files = [PurePosixPath(path) for path in tracked()]
     there = {*files, *(folder for path in files for folder in path.parents)}
     tops = {path.parts[0] for path in files if len(path.parts) > 1}
     made = {PurePosixPath(path) for path in MADE.findall((ROOT / WALK).read_text("utf-8"))}
     texts = [each for each in documents() if not each.path.startswith("changelog.d/")]
-    named = [(each.path, span) for each in texts for span in each.spans]
+    named = [(each.path, word) for each in texts for code in each.code for word in code.split()]
     pages = {path.name for path in files}
     lost = []
     for path in (path for path in tracked() if path.endswith(".py")):
@@ -90,7 +90,8 @@ def test_paths_exist() -> None:
         known = there | made if where == WALK else there
         if re.fullmatch(r"[\w.*-]+/[\w./*-]*", span) and PurePosixPath(span).parts[0] in tops:
             pattern = PLACEHOLDER.sub("*", span.strip("/"))
-            if not any(path.match(pattern) for path in known) and not _is_ignored(span):
+            ends = (pattern, f"{pattern}.md")  # as a toctree has it
+            if not any(path.match(end) for path in known for end in ends) and not _is_ignored(span):
                 lost.append(f"{where}: {span}")
     assert lost == []
 

@@ -97,6 +97,26 @@ def test_the_place_of_an_option_does_not_give_it_away() -> None:
     assert max(places.values()) <= len(marks) / 2, places
 
 
+NUMBER = re.compile(r"(?<![\w.-])\d+(?:\.\d+)?(?![\w-])")
+WORKED_OUT = {"awaiting": "3.5 6.0 8.5", "why": "288"}  # by an answer itself
+
+
+def test_what_an_answer_quotes_stands_on_its_page() -> None:
+    """And in a table, if it says so."""
+    contract = " ".join(each.text for each in read().values())
+    lost = []
+    for name, source in SOURCES.items():
+        rest = QUESTION.sub("", source)
+        rows = " ".join(re.findall(r"(?m)^\|.*", rest))
+        for body in ASKED[name]:
+            asked = re.sub(r"(?m)^  .*", "", body)
+            page = " ".join([rest, asked, contract, WORKED_OUT.get(name, "")])
+            for why in re.findall(r"(?m)^  .*(?:\n  .*)*", body):
+                there = NUMBER.findall(rows if "in the table" in why else page)
+                lost += [f"{name}: {each}" for each in NUMBER.findall(why) if each not in there]
+    assert lost == []
+
+
 def number(key: str) -> float:
     return read()[key].value
 
