@@ -23,7 +23,7 @@ TIMES, RISE = 2.0, 0.001  # [s] so much more in the last part is no noise of the
 STEADY = -0.1, 0.6  # of the rise, at least and at most, from each part to the next
 ENDS = 10  # of one kind on one topic; more than anybody needs
 MANAGED = {"unconfigured": "configure", "inactive": "activate"}  # states: the way out
-UNDECLARED = "no node declared what was asked for, so it has no effect: {names}"
+UNDECLARED = "no node declares {}, so that has no effect; declared here: {}"
 OTHERWISE = (
     "{node} did not get what was asked for: {names}; `rclpy.init(args=…)`, `parameter_overrides` "
     "or `ignore_override` keeps it from the command line"
@@ -116,6 +116,16 @@ def _said(note: Note, recording: Recording) -> str:
                 f"{place} waits there to the end, from {at:.2f} s on: what it waits for, a lock, "
                 "an event, an answer, never comes"
             )
+        case "sleeps":
+            return (
+                f"{place} waits there to the end, from {at:.2f} s on, for a moment that did not "
+                "come: time.sleep and timeouts are in seconds"
+            )
+        case "timer" if not recording.published and lasted > recording.duration_s:
+            return (
+                f"nothing was published, and a timer of {note.about} fires after {lasted:g} s for "
+                "the first time: create_timer takes seconds"
+            )
         case "sim_time" if not more:
             return (
                 f"{note.about} has use_sim_time, and nothing publishes /clock: on a robot its time "
@@ -169,13 +179,16 @@ def noted_of(recording: Recording, *, models: bool = True) -> list[str]:
 
 def _not_arrived(recording: Recording) -> Iterator[str]:
     """Say which parameters that were asked for no node declared, or got otherwise."""
-    found: dict[str, list[Note]] = {}  # by node; "": by none
-    for note in recording.notes:
-        if note.kind == "asked" and note.more and (note.line or recording.outcome.completed):
+    found: dict[str, list[Note]] = {}  # by node
+    for note in (note for note in recording.notes if note.kind == "asked" and note.more):
+        if note.line:
             found.setdefault(note.line, []).append(note)
+        elif recording.outcome.completed:
+            missing, _, declared = note.more.partition(note.DECLARED)
+            yield UNDECLARED.format(missing, declared or "nothing")
     for node, notes in found.items():
         names = ", ".join(f"{note.about} ({note.more})" for note in notes)
-        yield (OTHERWISE if node else UNDECLARED).format(names=names, node=node)
+        yield OTHERWISE.format(names=names, node=node)
 
 
 def growth_of(recording: Recording, *, models: bool = True) -> list[str]:

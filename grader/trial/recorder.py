@@ -146,7 +146,7 @@ class Recorder:
 
 def _holds(note: Note, end: float) -> bool:
     """Return whether a note is true at the end [s]: a callback that waited may have come back."""
-    return note.kind != "waits" or (note.time + note.lasted) / 1e9 > end - 1e-6
+    return note.kind not in ("waits", "sleeps") or (note.time + note.lasted) / 1e9 > end - 1e-6
 
 
 def _command(message: Message, stamped: bool) -> Command | None:

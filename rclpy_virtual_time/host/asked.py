@@ -13,28 +13,50 @@ from .frames import Note, ProgramStart
 from .robot_ends import ROBOT_NODE
 from .wire import sendable
 
+EACH_HAS = ("use_sim_time", "start_type_description_service", "qos_overrides.")
+MOST_SAID = 8  # names of each kind
+
 
 def watch(
     programs: Iterable[ProgramStart],
     running: Callable[[], ProgramStart],
     note: Callable[[Note], None],
 ) -> None:
-    """Note each parameter that is asked for, until a node declares it, and if it gets another."""
-    for name, value in {name: value for p in programs for name, value in p.asked.items()}.items():
-        note(_note(name, more=value))
+    """Note the parameters that are asked for and that no node declares, and if one gets another.
+
+    What a node was given is asked of rclpy: it has read command line, files and their sections. A
+    node that takes undeclared ones has them all.
+    """
+    wanted = dict.fromkeys(name for program in programs for name in program.asked)
+    declared: dict[str, None] = {}
     cls: Any = Node
     declare = cls.declare_parameters
 
     @functools.wraps(declare)
     def declare_and_look(node: Any, *args: Any, **kwargs: Any) -> Any:
-        declared = declare(node, *args, **kwargs)
-        asked = {} if node.get_name() == ROBOT_NODE else running().asked
-        for name, value in [(each.name, each.value) for each in declared if each.name in asked]:
-            note(_note(name))
+        found = declare(node, *args, **kwargs)
+        if node.get_name() == ROBOT_NODE:
+            return found
+        asked = running().asked
+        for name, value in [(each.name, each.value) for each in found if each.name in asked]:
             more = "" if _is(value, asked[name]) else f"{value!r}, not {asked[name]}"
             note(_note(name, node.get_fully_qualified_name(), more))
-        return declared
+        wanted.update(dict.fromkeys(node._parameter_overrides))
+        declared.update(dict.fromkeys(node._parameters))
+        if node._allow_undeclared_parameters:
+            declared.update(dict.fromkeys(node._parameter_overrides))
+        if wanted:
+            look()
+        return found
 
+    def look() -> None:
+        missing = [name for name in wanted if name not in declared]
+        own = [name for name in declared if not name.startswith(EACH_HAS)]
+        more = Note.DECLARED.join(", ".join(names[:MOST_SAID]) for names in (missing, own))
+        note(_note("undeclared", more=more if missing else ""))
+
+    if wanted:
+        look()
     cls.declare_parameters = declare_and_look
 
 

@@ -163,7 +163,7 @@ class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
 
 NOTED = (
     "lost", "lifecycle", "lasts", "awaits", "stuck", "waits", "threads", "sim_time", "params",
-    "imports", "ended", "asked",
+    "imports", "ended", "asked", "sleeps", "timer",
 )  # fmt: skip
 
 
@@ -173,6 +173,7 @@ class Note(msgspec.Struct, array_like=True, frozen=True):
     MOST: ClassVar = 100  # of a run
     MAX_NAME: ClassVar = MAX_NAME  # [characters]
     OWN_TIMER: ClassVar = "its own timer"  # `more` of "waits"
+    DECLARED: ClassVar = "; "  # in `more` of "asked", between what is missing and what is declared
 
     kind: Annotated[str, msgspec.Meta(pattern=f"^({'|'.join(NOTED)})$")]
     about: Name  # a topic, a node, a program, a function, sections ...

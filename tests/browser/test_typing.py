@@ -11,10 +11,12 @@ import tokenize
 from collections.abc import Callable
 from typing import Any
 
+import payloads
 import pytest
-from served_site import typed
+from served_site import SLOW, typed
 
 from grader.course.exercises import ROOT, Exercise, all_exercises, find_exercise
+from grader.report.page import page_html
 
 MADE = ROOT / "build" / "workspace" / "manifest.json"
 SLUG = "obstacle_avoidance"
@@ -22,6 +24,9 @@ PACE = 150  # [ms] from key to key: time for a list to open; Enter takes nothing
 FAST = 7  # [ms]
 NO_PYTHON = "delete globalThis.WebAssembly"  # the editor is the real one, and nothing else starts
 KEPT = "(slug) => JSON.parse(localStorage.getItem(`course-workspace:${slug}`)).text"
+FRAME = """(place, html) => { const frame = document.createElement('iframe');
+  Object.assign(frame, { sandbox: 'allow-scripts', srcdoc: html });
+  place.replaceChildren(frame); }"""
 FOCUSED = "document.activeElement.closest('.cm-editor') !== null"
 BEFORE = """\
 def f(distance, speed, usable, reading, index):
@@ -202,14 +207,20 @@ def test_escape_never_leaves_the_editor_and_tab_does(open_editor: Callable[..., 
 def test_shortcuts_work_wherever_the_focus_is(open_editor: Callable[..., Any]) -> None:
     page = open_editor()
     empty(page)
-    for place in (".cm-content:visible", "#ws-scenario", ".ws-close"):
+    html = page_html(payloads.drive_page() | {"embedded": True})
+    page.locator(".ws-replay").evaluate(FRAME, html)
+    replay = page.frame_locator(".ws-replay iframe").locator(".map")
+    status, nothing = page.locator(".ws-status"), page.locator("body")
+    for place in (*map(page.locator, (".cm-content:visible", "#ws-scenario", ".ws-close")), replay,
+                  nothing):  # fmt: skip
         for keys in ("Control+Enter", "Control+Shift+Enter"):
-            page.locator(".ws-status").evaluate("(each) => each.replaceChildren()")
-            page.locator(place).focus()
+            status.evaluate("(each) => each.replaceChildren()")
+            if place is nothing:
+                page.evaluate("document.activeElement.blur()")
+            else:
+                place.focus()
             page.keyboard.press(keys)
-            assert (
-                page.locator(".ws-status").inner_text().endswith("begins with the skeleton again.")
-            )
+            status.filter(has_text="begins with the skeleton again.").wait_for(timeout=SLOW)
     assert page.locator("dialog.workspace").is_visible()
 
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import zlib
+from base64 import urlsafe_b64encode
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -39,6 +41,7 @@ TYPED = {  # after the reference; where nothing is said, the first three mutants
     "three_nodes": ("two_guards", "past_the_guard", "nan_gets_through"),
 }
 SLUG = "obstacle_avoidance"
+BOMB = zlib.compress(bytes(2**21))  # short; it unpacks to more than a link may
 KEPT = """async () => {
   while (!await caches.match(location.pathname)) await new Promise(requestAnimationFrame);
 }"""
@@ -290,6 +293,7 @@ def test_a_link_carries_the_code_and_puts_aside_what_was_there(open_workspace: A
     ("slug", "hash_", "script", "said"),
     [
         (SLUG, "#code=eJwDAAAA", "", "cut on its way"),
+        (SLUG, f"#code={urlsafe_b64encode(BOMB).decode()}", "", "longer than any node"),
         (SLUG, "#workspace", "delete globalThis.WebAssembly", "needs WebAssembly"),
         (SLUG, "#workspace", NO_STORAGE, "keeps nothing"),
         ("slow_model", "#workspace", "delete WebAssembly.Suspending", "needs threads"),

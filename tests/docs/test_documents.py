@@ -72,7 +72,7 @@ def test_the_reader_of_the_readme_finds_every_document() -> None:
 
 
 def test_paths_exist() -> None:
-    """In documents' backticks and blocks, and in programs' backticks: docstrings, comments, texts."""
+    """In documents, and in backticks in programs: docstrings, comments, texts."""
     files = [PurePosixPath(path) for path in tracked()]
     there = {*files, *(folder for path in files for folder in path.parents)}
     tops = {path.parts[0] for path in files if len(path.parts) > 1}

@@ -25,7 +25,7 @@ async function readHints(url) {
 }
 
 function options(titles) {
-  return Object.entries(titles).map(([name, title]) => el('option', { value: name }, `${name}: ${title}`));
+  return Object.entries(titles).map(([name, title]) => el('option', { value: name }, `${name}\u2003${title}`));
 }
 
 /** Return a plan without what this browser doesn't judge. */

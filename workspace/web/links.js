@@ -1,6 +1,21 @@
 // Code in a link: browsers send what follows a # to no server.
 
-const through = async (bytes, stream) => new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());
+const MOST = 2 ** 20; // [bytes] that a link may unpack to: a short one could fill the memory
+
+/** Return a stream that throws where more than MOST would come out of it. */
+function limited() {
+  let left = MOST;
+  return new TransformStream({
+    transform(part, controller) {
+      left -= part.length;
+      if (left < 0) throw new RangeError(`more than ${MOST} bytes`);
+      controller.enqueue(part);
+    },
+  });
+}
+
+const through = async (bytes, stream) => new Uint8Array(
+  await new Response(new Blob([bytes]).stream().pipeThrough(stream).pipeThrough(limited())).arrayBuffer());
 
 /** Return a text as it stands in a link. */
 export async function packed(text) {

@@ -16,11 +16,12 @@ const NO_MEMORY = 'The browser had no memory left: your node may keep or print t
 const BROKEN_PYTHON = 'Your node broke Python itself, with os.abort() or something that is nested too deeply. It starts anew.';
 const WHY_WRONG = 'If your node changes numpy, builtins or sys.modules, that is why; if not, reload the page.';
 const SLOW = 5; // [s] of a drive that say nothing of the node yet
-const SLOWLY = ', more slowly than a robot drives: does a callback compute too long?';
+const SLOWLY = ', more slowly than a robot drives: the machine is busy, or a callback computes too long';
 const ELSEWHERE = 'This is open in another tab, too: what you type here is kept once that one is closed.';
 const FREE = 'The other tab is closed: what you type here is kept again. Its text is among the versions.';
 const KEYS = 'Enter keeps the indent, Ctrl-] and Ctrl-[ change it, an arrow key chooses a word, Tab leaves the editor.';
-const BROKEN = 'The link to this page holds no code that can be read: it was cut on its way. Ask for the file instead.';
+const BROKEN = 'The link to this page holds no code that can be read: it was cut on its way, or is longer than any node. '
+  + 'Ask for the file instead.';
 
 /** Return a button. */
 export const button = (text, act, more = {}) => el('button', { type: 'button', onclick: act, ...more }, text);
@@ -97,7 +98,14 @@ export class Workspace {
       el('nav', { class: 'ws-tabs', 'aria-label': 'Show' }, this.tabs),
       el('div', { class: 'ws-panes' }, this.code, this.replay,
         el('div', { class: 'ws-result', 'data-pane': 'result', role: 'region', tabindex: 0, 'aria-label': names[2] }, this.stale, result, this.log)));
-    this.dialog.addEventListener('keydown', (event) => this.press(event), true); // before the editor
+    addEventListener('keydown', (event) => { // before the editor
+      if (!this.press(event)) return;
+      event.preventDefault();
+      event.stopPropagation();
+    }, true);
+    addEventListener('message', ({ data, source }) => {
+      if (source === this.replay.querySelector('iframe')?.contentWindow) this.press(data?.pressed ?? {}); // in the replay
+    });
     document.body.append(this.dialog);
     this.mains = [...this.dialog.querySelectorAll('.ws-main')];
     this.listVersions();
@@ -166,13 +174,11 @@ export class Workspace {
 
   get isChanged() { return this.text !== this.skeleton; }
 
-  /** Do what a shortcut says, wherever the focus is. */
-  press(event) {
-    const act = event.ctrlKey && event.key === 'Enter' && (event.shiftKey ? this.check : this.drive);
-    if (!act) return;
-    event.preventDefault();
-    event.stopPropagation();
-    act.call(this);
+  /** Do what a shortcut says, wherever the focus is: on nothing, too, or in the replay. Return whether it says anything. */
+  press({ ctrlKey, key, shiftKey }) {
+    const act = this.dialog.open && ctrlKey && key === 'Enter' && (shiftKey ? this.check : this.drive);
+    if (act) act.call(this);
+    return Boolean(act);
   }
 
   get pages() { return []; } // to be kept for a visit without a network, besides its own

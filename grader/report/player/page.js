@@ -265,6 +265,9 @@ function buildPage(page, payload) {
   if (payload.small) playSmall(payload.small);
   foldIfNarrow(page);
   window.addEventListener('message', followFrame);
+  window.addEventListener('keydown', ({ ctrlKey, key, shiftKey }) => { // the workspace's own
+    if (ctrlKey && key === 'Enter') parent.postMessage({ pressed: { ctrlKey, key, shiftKey } }, '*');
+  });
 }
 
 /** Play from the start, and again with `loop`; those who want no motion see the middle of it. */

@@ -57,6 +57,7 @@ class Bridge:
         self._last_words: list[Heard] = []  # from contexts that have been shut down
         self.rosout: Rosout | None = None
         self._endpoints: list[EndpointReport] = []
+        self._noted: list[Note] = []  # timers that are slow
         self.published: list[Published] = []
         self.changes = 0  # goes up when endpoints appear or disappear
         self.parameters_in_use = False  # some node asks for another's parameters
@@ -129,6 +130,8 @@ class Bridge:
     def notes(self, kernel: Kernel) -> Iterator[Note]:
         """Yield notes on callbacks and nodes, and once on each program's files."""
         yield from tasks.waits(kernel)
+        noted, self._noted = self._noted, []
+        yield from noted
         for party in self.discovery.newcomers():
             with contextlib.suppress(Exception):  # files and names are the student's: anything
                 yield from list(_unread(party))
@@ -206,6 +209,9 @@ class Bridge:
         @functools.wraps(create)
         def create_and_count(node: Any, *args: Any, **kwargs: Any) -> Any:
             timer = create(node, *args, **kwargs)
+            if timer.timer_period_ns >= tasks.SLEEP:
+                name = node.get_fully_qualified_name()
+                self._noted.append(Note("timer", name, count=0, lasted=timer.timer_period_ns))
             if TIMERS < len(list(node.timers)) <= 2 * TIMERS:
                 owner = node.get_fully_qualified_name()
                 self._endpoints.append(EndpointReport("timer", owner, "", ""))

@@ -23,6 +23,7 @@ YIELDS = 10  # of a coroutine at one moment, after which it costs time to give w
 YIELDED = object()
 SHORT = 50_000_000  # [ns] that a callback may last without a word
 LONG = 1_000_000_000  # [ns] after which one that waits, with no time set, waits for good
+SLEEP = 10 * LONG  # [ns] and one that waits for as long may outlast the drive
 PENDING = (  # where rclpy's clients keep the futures of their answers
     "_pending_requests",
     "_pending_goal_requests",
@@ -89,9 +90,11 @@ def waits(kernel: Kernel) -> Iterator[Note]:
             frame = frame.f_back
         lasted = kernel.now - begin
         in_vain = thread.until is None and not thread.asks and thread.seen == seen
-        if frame is not None and thread.parked and (in_vain or spins) and lasted >= LONG:
+        sleeps = thread.until is not None and thread.until - begin >= SLEEP
+        if frame is not None and thread.parked and (in_vain or spins or sleeps) and lasted >= LONG:
             place, more = place_of(frame.f_code, frame.f_lineno), "spins" * spins
-            yield Note("waits", frame.f_code.co_name, place, 0, max(0, begin), lasted, more)
+            kind = "waits" if in_vain or spins else "sleeps"
+            yield Note(kind, frame.f_code.co_name, place, 0, max(0, begin), lasted, more)
 
 
 def _wait(task: Any, since: int, now: int) -> Note | None:

@@ -72,6 +72,7 @@ threads = [threading.Thread(target=work) for _ in range(20)]
 for thread in threads: thread.start()
 spin(node)
 """
+FOR_LONG = "def tick(): {}\nnode.create_timer(0.1, tick)\nspin(node)"
 SAID = [
     ("node.create_publisher(Twist, '/cmd_vel', 1).publish(Twist())\nspin(node)", "1 message on"),
     ("publisher = node.create_publisher(Twist, '/cmd_vel', 1)\n"
@@ -123,6 +124,14 @@ SAID = [
     (THREADS.format(start="threading.Thread(target=work).start()"),
      r"tick \(node.py, line \d+\) started 1\d threads in 2 s"),
     (THREADS.format(start="pass"), ""),
+    (FOR_LONG.format("time.sleep(10000)"),
+     r"tick \(node.py, line \d+\) waits there to the end, from 0.10 s on, for a moment that did"),
+    (FOR_LONG.format("time.sleep(12)"), "waits there to the end"),
+    (FOR_LONG.format("threading.Event().wait(0.05)"), ""),
+    ("node.create_timer(100.0, print)\nspin(node)",
+     "nothing was published, and a timer of /own fires after 100 s for the first time"),
+    ("node.create_timer(100.0, print)\npublisher = node.create_publisher(Twist, '/cmd_vel', 1)\n"
+     "node.create_timer(0.1, lambda: publisher.publish(Twist()))\nspin(node)", ""),
 ]  # fmt: skip
 
 
@@ -145,12 +154,16 @@ def test_a_person_is_told(source: str, said: str, runtime: ForkServer, tmp_path:
         ("fleet: {own: {ros__parameters: {speed: 0.3}}}", "for /fleet/own, and none for /own,"),
         ("other: {ros__parameters: {a: 1}}\n/own: {ros__parameters: {speed: 0.3}}", ""),
         ("/**: {ros__parameters: {speed: 0.3}}", ""),
+        (
+            "/**: {ros__parameters: {a: 1}}\nown: {ros__parameters: {speed: 1.0, far: {b: 1}}}",
+            "no node declares a, far.b, so that has no effect; declared here: speed",
+        ),
     ],
 )
 def test_parameters_for_nobody(yaml: str, said: str, runtime: ForkServer, tmp_path: Path) -> None:
     (tmp_path / "p.yaml").write_text(yaml, "utf-8")
     init = "rclpy.init(args=['--ros-args', '--params-file', 'p.yaml'])"
-    text = f"{HEAD}\nspin(node)".replace("rclpy.init()", init)
+    text = f"{HEAD}\nnode.declare_parameter('speed', 0.1)\nspin(node)".replace("rclpy.init()", init)
     (tmp_path / "node.py").write_text(text, "utf-8")
     recording = run_trial(find_submission(tmp_path / "node.py"), short(0.5), runtime)
     assert recording.outcome.completed, recording.outcome

@@ -45,9 +45,13 @@ def test_what_is_asked_for_wins(runtime: ForkServer, tmp_path: Path) -> None:
     assert not noted_of(recording)
 
 
+NONE = "no node declares word, so that has no effect; declared here: "
 DECLARES = "node.declare_parameter('word', 'own')"
 NODES = {
-    "rclpy.init()\nnode = Node('n')": "no node declared what was asked for, so",
+    "rclpy.init()\nnode = Node('n')": f"{NONE}nothing",
+    "rclpy.init()\nnode = Node('n')\nnode.declare_parameter('wort', '')": f"{NONE}wort",
+    "rclpy.init()\nnode = Node('n', allow_undeclared_parameters=True)": "",
+    "rclpy.init()\nnode = Node('n', automatically_declare_parameters_from_overrides=True)": "",
     f"rclpy.init(args=[])\nnode = Node('n')\n{DECLARES}": "/n did not get what was asked for: word "
     "('own', not mine); ",
     f"rclpy.init()\nnode = Node('n')\n{DECLARES}": "",
