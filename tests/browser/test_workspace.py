@@ -174,6 +174,7 @@ def test_what_the_node_logs_and_prints_leads_to_its_moment(
                 page.locator(".ws-replay"),
                 replay.locator(".log-list"),
                 replay.locator(".timeline-track"),
+                replay.locator(".plot"),
             )
         )
         assert all(p["y"] + p["height"] <= frame["y"] + frame["height"] for p in parts)

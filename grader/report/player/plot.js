@@ -6,6 +6,7 @@ const GUTTER = 44; // [pixels] for the numbers at the left; the timeline has the
 const RIGHT = 12;
 const LANE_TOP = 24; // [pixels] for a lane's title
 const LANE_GAP = 14;
+const LOW = 120; // [pixels] of a plot with room for the speeds only
 const AXIS = 20;
 
 class Plot {
@@ -84,12 +85,13 @@ class Plot {
     ctx.fillStyle = colours.surface;
     ctx.fillRect(0, 0, this.width, this.height);
     const room = this.height - AXIS - LANE_GAP - 2 * LANE_TOP;
-    const upper = { top: LANE_TOP, height: 0.6 * room };
+    const isLow = this.height < LOW;
+    const upper = { top: LANE_TOP, height: isLow ? this.height - AXIS - LANE_TOP : 0.6 * room };
     const lower = { top: 2 * LANE_TOP + LANE_GAP + upper.height, height: 0.4 * room };
     this.drawTimeAxis(ctx);
     this.shadeContacts(ctx);
     this.drawSpeeds(ctx, upper);
-    this.drawClearance(ctx, lower);
+    if (!isLow) this.drawClearance(ctx, lower);
     for (const moment of replay.moments) this.drawMoment(ctx, moment);
   }
 
