@@ -13,7 +13,7 @@ from typing import Any
 
 import payloads
 import pytest
-from served_site import SLOW, typed
+from served_site import typed
 
 from grader.course.exercises import ROOT, Exercise, all_exercises, find_exercise
 from grader.report.page import page_html
@@ -220,7 +220,7 @@ def test_shortcuts_work_wherever_the_focus_is(open_editor: Callable[..., Any]) -
             else:
                 place.focus()
             page.keyboard.press(keys)
-            status.filter(has_text="begins with the skeleton again.").wait_for(timeout=SLOW)
+            status.filter(has_text="begins with the skeleton again.").wait_for()
     assert page.locator("dialog.workspace").is_visible()
 
 
