@@ -96,7 +96,8 @@ def release(
     for draft in drafts():
         echo(f"Note: {draft} stays here: git does not know it.", err=True)
     for of in sorted({leak.of for leak in found}):
-        files = ", ".join(sorted({PurePath(leak.file).name for leak in found if leak.of == of}))
+        places = {leak.file.partition(", cell")[0] for leak in found if leak.of == of}
+        files = ", ".join(sorted({PurePath(place).name for place in places}))
         echo(f"Note: {of}'s solution is partly in {files}; hand that out after it.", err=True)
     echo(f"Students' material: {folder}")
     if student_package:
