@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -18,6 +19,7 @@ MIN_ANSWERS = 3  # to see that they err alike
 NEAR_ZERO = 1e-3
 HUGE = 1e13  # a factor that is no slip of units: a second has 1e12 picoseconds
 ROUNDED = 0.01  # of a factor
+ASKS = "asks for "  # a field, in a list of tags
 
 
 @dataclass(frozen=True)
@@ -102,11 +104,25 @@ class Runs(Sequence[Recording]):
     def cases(self, *tags: str) -> Iterator[tuple[Recording, Case]]:
         """Yield the cases with one of these tags (all if none is named), and their recordings."""
         for recording in self.recordings:
-            if self.oracle not in recording.judged:
-                recording.judged[self.oracle] = self.oracle(recording)
-            for case in recording.judged[self.oracle]:
-                if not tags or not case.tags.isdisjoint(tags):
-                    yield recording, case
+            cases, places = self._judged(recording)
+            named = sorted({place for tag in tags for place in places.get(tag, ())})
+            for case in (cases[place] for place in named) if tags else cases:
+                yield recording, case
+
+    def asking(self, fields: Iterable[str]) -> Iterator[tuple[Recording, Case]]:
+        """Yield the cases that ask for one of these fields, and their recordings."""
+        return self.cases(*(ASKS + name for name in fields))
+
+    def _judged(self, recording: Recording) -> tuple[Sequence[Case], Mapping[str, list[int]]]:
+        """Return a recording's cases, and the places of each tag and field; found once."""
+        if self.oracle not in recording.judged:
+            cases, places = self.oracle(recording), defaultdict[str, list[int]](list)
+            for place, case in enumerate(cases):
+                for tag in (*case.tags, *(ASKS + name for name in case.allowed)):
+                    places[tag].append(place)
+            recording.judged[self.oracle] = cases, places
+        found: tuple[Sequence[Case], Mapping[str, list[int]]] = recording.judged[self.oracle]
+        return found
 
 
 def exactly(*numbers: float) -> tuple[Interval, ...]:

@@ -91,7 +91,7 @@ def follows(
     for recording, case in found:
         require_allowed(recording, case, explain(case) or help, tolerance=tolerance, topic=topic)
     asked = {name for _, case in found for name in case.allowed}
-    reacts([(run, case) for run, case in runs.cases() if not asked.isdisjoint(case.allowed)])
+    reacts(list(runs.asking(asked)))
 
 
 def require_allowed(

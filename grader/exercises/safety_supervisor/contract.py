@@ -90,7 +90,9 @@ def _ticks(recording: Recording, reports: list[Report]) -> Iterator[Case]:
     before = frozenset[str]()  # the reasons of the last tick
     for t, row, count in _in_force(recording):
         now, earlier = sent.by(t, t), sent.by(t - ARRIVAL_HAIR - recording.slack, t)
-        right, what = [*decisions(now, last), *decisions(earlier, last)], now.what
+        right, what = [*decisions(now, last)], now.what
+        if earlier != now:  # something came in between
+            right += decisions(earlier, last)
         reported = _newest(reports, t + ZERO)[1] or {}
         said = {**_command(row), **reported} if row else {}
         settled = t - max(begin for begin in begins if begin <= t) >= SETTLED
