@@ -102,7 +102,7 @@ def _programs(
                 stop=None if spec.stop is None else round(spec.stop * 1e9),
                 hides=scenario.node.hides,
                 spared=len(group) > 1 and not program.needed,
-                asked={} if spec.supplied else _parameters(asked),
+                asked=None if spec.supplied else _parameters(asked),
             )
             for number, each in enumerate(group, len(programs))
             for program in [_played(scenario.node.stand_in, submission, each, folder)]

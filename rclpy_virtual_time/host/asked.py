@@ -27,7 +27,7 @@ def watch(
     What a node was given is asked of rclpy: it has read command line, files and their sections. A
     node that takes undeclared ones has them all.
     """
-    wanted = dict.fromkeys(name for program in programs for name in program.asked)
+    wanted = dict.fromkeys(name for program in programs for name in program.asked or ())
     declared: dict[str, None] = {}
     cls: Any = Node
     declare = cls.declare_parameters
@@ -35,9 +35,9 @@ def watch(
     @functools.wraps(declare)
     def declare_and_look(node: Any, *args: Any, **kwargs: Any) -> Any:
         found = declare(node, *args, **kwargs)
-        if node.get_name() == ROBOT_NODE:
+        asked = None if node.get_name() == ROBOT_NODE else running().asked
+        if asked is None:
             return found
-        asked = running().asked
         for name, value in [(each.name, each.value) for each in found if each.name in asked]:
             more = "" if _is(value, asked[name]) else f"{value!r}, not {asked[name]}"
             note(_note(name, node.get_fully_qualified_name(), more))

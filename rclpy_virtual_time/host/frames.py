@@ -68,7 +68,7 @@ class ProgramStart(msgspec.Struct, frozen=True):
     hides: tuple[Name, ...] = ()  # libraries that seem not installed to it
     entry: str = ""  # "module:function" of a package, which `ros2 run` calls; "": the file is run
     spared: bool = False  # one of several of a launch file: where it ends, the others go on
-    asked: dict[str, str] = {}  # parameters that are to reach it: name and value
+    asked: dict[str, str] | None = {}  # parameters that are to reach it; None: nobody is told
 
 
 class Start(msgspec.Struct, frozen=True, tag="start"):

@@ -41,7 +41,7 @@ DRIVEN = [
     ("awaiting", "awaiting.py --scenario demo_wall --duration 4"),
     ("emergency_stop", "gate.py --scenario demo_e_stop"),
     ("turtlebot", "first_metres.py --scenario demo_wall --duration 5 --param stamped:=false"),
-    ("plans", "errand.py --scenario demo_open --duration 25"),
+    ("plans", "errand.py --scenario demo_open --duration 3 --param limit:=2.0 --param limt:=9.0"),
     ("parameters", "adjustable.py --scenario live_knob"),
     ("index", "wander.py --scenario demo_store --seed 1 --duration 10"),
     # what goes wrong before a drive
