@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from grader.report.facts import in_order
+from grader.report.graph import graph_html
 from grader.report.replay import moments_of, replay_payload
 from rclpy_virtual_time import readable
 
@@ -65,6 +66,7 @@ def page_payload(
             replay_payload(recording, moments_of(checks, recording.scenario.name))
             for recording in recordings
         ],
+        "graphs": [graph_html(recording) for recording in recordings],
         "title": title,
         "opens_at": opens_at,
         "generated_by": GENERATED_BY,
@@ -82,6 +84,7 @@ def embedded_payload(
 def page_html(payload: Mapping[str, Any]) -> str:
     """Return one HTML file that needs no network; hostile text in the payload stays text.
 
+    Its `graphs` are HTML already (see `graph_html`).
     The file is pure ASCII outside our own template, so it survives any transport.
     """
     style = "\n".join(_asset(name) for name in STYLES)
@@ -90,9 +93,10 @@ def page_html(payload: Mapping[str, Any]) -> str:
     title = readable(_valid_text(str(payload.get("title") or "Report")))
     parts = {
         "CSP": _content_security_policy(script, style),
-        "TITLE": html.escape(title).encode("ascii", "xmlcharrefreplace").decode("ascii"),
+        "TITLE": _ascii(html.escape(title)),
         "STYLE": style,
-        "PAYLOAD": _inline_json(payload),
+        "GRAPHS": _ascii("".join(f"<div>{graph}</div>" for graph in payload.get("graphs", ()))),
+        "PAYLOAD": _inline_json({key: payload[key] for key in payload if key != "graphs"}),
         "SCRIPT": script,
     }
     pieces = _asset("page.html").split("@@")  # text, NAME, text, NAME, … text
@@ -102,6 +106,10 @@ def page_html(payload: Mapping[str, Any]) -> str:
 def json_text(grading: Mapping[str, Any]) -> str:
     """Return the grading as JSON with sorted keys, and null for NaN and infinity."""
     return json.dumps(_plain(grading), indent=2, sort_keys=True, allow_nan=False) + "\n"
+
+
+def _ascii(text: str) -> str:
+    return text.encode("ascii", "xmlcharrefreplace").decode("ascii")
 
 
 def _asset(name: str) -> str:

@@ -8,6 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from grader.recording import COMPLETED, Endpoint, Outcome, Recording
+from grader.report.graph import graph_html
+from sim.scenario_files import load_scenario
+
 JsonDict = dict[str, Any]
 
 ROOM = [[-1.0, -2.0], [5.0, -2.0], [5.0, 2.0], [-1.0, 2.0], [-1.0, -2.0]]
@@ -276,6 +280,14 @@ def page(
 
 def failing_page() -> JsonDict:
     return page([goal_run(), wall_run()], failing_checks())
+
+
+def graph(*topics: str) -> str:
+    """A node that listens to topics which nobody publishes."""
+    ends = [Endpoint("subscription", "/porter/eyes", topic, "a_msgs/msg/B") for topic in topics]
+    none: Any = None
+    scenario, outcome = load_scenario("demo_wall"), Outcome(COMPLETED)
+    return graph_html(Recording(scenario, none, 1, 2.0, (), (), none, outcome, tuple(ends)))
 
 
 def drive_page() -> JsonDict:

@@ -28,6 +28,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "report": lambda: page_html(payloads.failing_page() | {"grading": GRADING}),
     "replay": lambda: page_html(payloads.failing_page() | EMBEDDED),  # of the lesson, in notebooks
     "drive": lambda: page_html(payloads.drive_page()),
+    "graph": lambda: page_html(payloads.drive_page() | {"graphs": [payloads.graph("/a", "/b")]}),
     "no runs": lambda: page_html(payloads.page([], payloads.failing_checks())),
     "odd": lambda: page_html(payloads.odd_page()),
     "notebook": lambda: NOTEBOOK.format(table=grading_html(GRADING)),

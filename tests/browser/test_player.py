@@ -24,6 +24,28 @@ def press(page: Any, *keys: str) -> None:
         page.keyboard.press(key)
 
 
+# --- the graph -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_each_run_has_its_graph_above_the_map_where_something_is_wrong(
+    open_page: Open, width: int
+) -> None:
+    long = f"/{'very_long_name/' * 9}scan"
+    graphs = [payloads.graph("/laser", long), "", payloads.graph()]
+    runs = [payloads.wall_run(), payloads.goal_run(), payloads.goal_run()]
+    page = open_page(
+        payloads.page(runs) | {"graphs": graphs}, viewport={"width": width, "height": 800}
+    )
+    drawn = page.locator(".player-head .graph-part[open] svg")
+    assert "nobody publishes this topic" in page.locator(".graph li").first.inner_text()
+    assert drawn.bounding_box()["width"] > 300
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    for run in (1, 2):
+        value(page, f"selectRun({run})")
+        assert drawn.count() == 0
+
+
 # --- the page ------------------------------------------------------------------------------
 
 

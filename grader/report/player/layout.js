@@ -109,13 +109,13 @@ function buildPlayer(actions, count) {
   const account = el('ol', { class: 'account-list' });
   const status = el('p', { class: 'hidden-text', role: 'status', 'aria-live': 'polite' });
   const help = buildHelp();
+  const side = el('div', { class: 'player-side' },
+    el('section', { class: 'side-part log-part' }, el('h2', {}, 'Log of the node'), log.element),
+    el('details', { class: 'side-part account-part', open: count === 1 },
+      el('summary', {}, 'The run in words'), account));
   const element = el('section', { class: 'player', 'aria-label': 'Replay' }, head.element,
     el('div', { class: 'player-main' }, stage.element, readout.element, transport.element,
       timeline.element, plot.element),
-    el('div', { class: 'player-side' },
-      el('section', { class: 'side-part log-part' }, el('h2', {}, 'Log of the node'), log.element),
-      el('details', { class: 'side-part account-part', open: count === 1 },
-        el('summary', {}, 'The run in words'), account)),
-    status, help);
-  return { element, head, stage, readout, timeline, transport, plot, log, account, status, help };
+    side, status, help);
+  return { element, head, side, stage, readout, timeline, transport, plot, log, account, status, help };
 }

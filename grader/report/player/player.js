@@ -80,9 +80,21 @@ class Player {
       el('span', {}, `${fixed(replay.maxSpeed)} m/s`));
     parts.transport.moments.forEach((button) => { button.disabled = !replay.moments.length; });
     for (const part of [parts.timeline, parts.log, this.world, this.plot]) part.setReplay(replay);
+    this.showGraph();
     renderAccount(parts.account, replay, (event) => (
       event.moment ? this.actions().showMoment(event.moment) : this.seek(event.t)));
     this.update();
+  }
+
+  /** Show the run's graph, as the page brought it: above the map if it has faults or several nodes. */
+  showGraph() {
+    const drawn = document.getElementById('graphs')?.content.children[this.runIndex]?.firstElementChild;
+    this.graph?.remove();
+    this.graph = drawn && document.importNode(drawn, true);
+    if (!drawn) return;
+    const isFirst = drawn.matches('.is-first');
+    if (isFirst && this.replays.length === 1 && this.parts.element.clientWidth > 560) this.graph.open = true;
+    (isFirst ? this.parts.head.element : this.parts.side).append(this.graph);
   }
 
   // --- time ---------------------------------------------------------------------------------

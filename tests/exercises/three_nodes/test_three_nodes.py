@@ -1,5 +1,6 @@
 """Launch files: parameters from a YAML file, what is not read here, and what is wrong."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -7,8 +8,11 @@ import pytest
 
 from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
+from grader.drive import drive_in
 from grader.grading.grading import Grading, grade_submission
+from grader.report.graph import graph_html
 from rclpy_virtual_time.link.hosts import ForkServer
+from sim.scenario_files import load_scenario
 
 EXERCISE = find_exercise("three_nodes")
 YAML = """
@@ -57,6 +61,19 @@ def test_programs_are_judged_whatever_the_launch_file_is(
     assert said in checks["nodes"].message
     for name, check in checks.items():
         assert check.outcome == ("pass" if name in OF_PROGRAMS else outcome), name
+
+
+def test_the_graph_of_the_solution(tmp_path: Path, forkserver: ForkServer) -> None:
+    submission = find_submission(solution(tmp_path), others=EXERCISE.files)
+    graph = graph_html(drive_in(submission, load_scenario("shuttle_wall"), forkserver))
+    plain = [re.sub(r"<wbr>|<span>.*?</span>", "", row) for row in graph.split("<tr>")[2:]]
+    assert [re.findall(r'(?:row"|<p)>([^<]+)', row) for row in plain] == [
+        ["/scan", "the robot", "/shuttle/watcher"],
+        ["/shuttle/distance", "/shuttle/watcher", "/shuttle/driver"],
+        ["/shuttle/cmd_vel_raw", "/shuttle/driver", "/shuttle/guard"],
+        ["/cmd_vel", "/shuttle/guard", "the robot"],
+    ]
+    assert "is-bad" not in graph
 
 
 def test_what_died_is_said_first_with_its_line(tmp_path: Path, forkserver: ForkServer) -> None:

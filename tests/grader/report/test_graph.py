@@ -1,0 +1,78 @@
+"""The graph of a run: what is wrong is said as in the terminal, and names stay text."""
+
+import re
+from dataclasses import replace
+
+import pytest
+from test_replay import drive
+
+from grader.drive.topics import topic_lines
+from grader.recording import Endpoint, Recording
+from grader.report.graph import graph_html
+
+SCAN, TWIST = "sensor_msgs/msg/LaserScan", "geometry_msgs/msg/Twist"
+HEARS = Endpoint("subscription", "/b", "/x", "std_msgs/msg/String", "reliable", "volatile")
+SAYS = Endpoint("publisher", "/a", "/x", "std_msgs/msg/String", "reliable", "volatile")
+EVIL = "/<img src=x onerror=1>&\"'</svg></template><script>\u202e\x1b[31m\ud800@@CSP@@"
+
+
+def run(*ends: Endpoint) -> Recording:
+    return replace(drive(2.0), endpoints=ends)
+
+
+def changed(end: Endpoint, **parts: str) -> Endpoint:
+    return Endpoint(**{name: getattr(end, name) for name in end.__struct_fields__} | parts)
+
+
+@pytest.mark.parametrize(
+    ("ends", "said"),
+    [
+        ((SAYS, HEARS), []),
+        ((SAYS,), []),  # a topic with one end is an ordinary topic
+        ((changed(HEARS, topic="/scann", type=SCAN),),
+         ["nobody publishes this topic; the robot publishes /scan"]),
+        ((changed(HEARS, type="std_msgs/msg/Bool"), SAYS),
+         ["nothing arrives: /a publishes std_msgs/msg/String here"]),
+        ((changed(SAYS, reliability="best_effort"), HEARS),
+         ["nothing arrives: best effort publisher and reliable subscription"]),
+        ((changed(SAYS, topic="/mod"), changed(HEARS, topic="/mode")),
+         ["nobody listens here: /b listens to /mode",
+          "nobody publishes this topic; /a publishes /mod"]),
+        ((changed(SAYS, topic="/cmd_ve", type=TWIST),),
+         [f"nobody listens here: the robot takes {TWIST} on /cmd_vel"]),
+        ((Endpoint("client", "/a", "/go", "std_srvs/srv/Trigger"),),
+         ["nobody offers this service: calls are never answered"]),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_said_as_in_the_terminal(
+    ends: tuple[Endpoint, ...], said: list[str]
+) -> None:
+    graph, lines = graph_html(run(*ends)), topic_lines(run(*ends))
+    assert re.findall(r"<li><b>[^<]*</b>, /[ab]: ([^<]*)</li>", graph) == said
+    assert [line[13:] for line in lines if line.startswith("    WARNING: ")] == said
+    assert graph.count('class="graph-edge is-bad"') == len(said)
+    assert (f"✗ {len(said)} fault" in graph) is bool(said)
+    assert re.findall(r">✗ (\d)<", graph) == [f"{i}" for i, _ in enumerate(said, 1)]  # of the table
+
+
+def test_names_stay_text() -> None:
+    ends = (HEARS, changed(SAYS, topic="/y"), Endpoint("client", "/a", "/z", "a/srv/B"))
+    calm = graph_html(run(*ends))
+    evil = (
+        Endpoint(e.kind, *[EVIL + text for text in (e.node, e.topic, e.type, "q", "d")], 0, EVIL)
+        for e in ends
+    )
+    hostile = graph_html(run(*evil))
+    hostile.encode("utf-8")
+    assert not re.search("[\u202e\x1b]", hostile)
+    assert {*re.findall(r"</?(\w+)", hostile)} == {*re.findall(r"</?(\w+)", calm)} | {"wbr"}
+    assert {*re.findall(r'(\w+)="', hostile)} == {*re.findall(r'(\w+)="', calm)}
+
+
+def test_of_very_many_ends_those_with_faults_are_drawn() -> None:
+    many = [changed(SAYS, topic=f"/t{i}") for i in range(500)]
+    graph = graph_html(run(*many, changed(HEARS, topic="/zzz", type=SCAN)))
+    assert "441 ends left out" in graph
+    assert 'class="graph-edge is-bad"' in graph
+    assert len(graph) < 60_000
+    assert graph_html(run()) == ""
