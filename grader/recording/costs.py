@@ -68,15 +68,19 @@ def account_of(recording: Recording) -> list[str]:
     costs = costs_of(recording)
     if costs is None:
         return []
+    own = bool(np.isfinite(recording.compute.cpu).any())  # the node's, and no other program's
     said = [
         f"Compute: {_ms(costs.p50)} ms a message (p50), {_ms(costs.p99)} ms (p99), "
         f"{_ms(costs.worst)} ms at worst; the lidar's period is {_ms(costs.period)} ms"
+        + ("" if own else ". By the clock: what else the machine had to do is in it")
     ]
     if recording.charged:
         said.append(
             "Computing took time in this run (--charge-compute): it depends on the machine, and "
             "another run differs"
         )
+    elif not own:
+        pass  # undecided
     elif not costs.keeps_up:
         said.append(
             f"WARNING: the node can't keep up: it computes {costs.load:.1f} s for each second. "

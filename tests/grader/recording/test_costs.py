@@ -59,6 +59,11 @@ def test_in_real_time_the_first_exchange_counts() -> None:
     assert costs.worst == pytest.approx(0.2)
 
 
+def test_where_no_cpu_time_is_told_nobody_is_blamed() -> None:
+    [said] = account_of(recording([0.0] + [0.3] * 10, [NAN] * 11))
+    assert said.endswith("period is 100 ms. By the clock: what else the machine had to do is in it")
+
+
 def test_a_node_that_got_no_message_has_no_costs() -> None:
     assert costs_of(recording([1.0], [1.0])) is None
     assert account_of(recording([1.0], [1.0])) == []
