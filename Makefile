@@ -116,7 +116,7 @@ assignments: $(VENV)/.dev ## write the notebooks, solutions and all, into notebo
 	$(BIN)/python -m grader.notebook.build
 
 notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with seven students in all exercises
-	COURSE_NOTEBOOKS=full $(PYTEST) tests/notebooks \
+	COURSE_NOTEBOOKS=full $(PYTEST) tests/notebooks tests/journeys/test_n*.py \
 	  tests/browser/test_jupyterlab.py tests/browser/test_formgrader.py
 
 students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to two hours)

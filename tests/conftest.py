@@ -112,6 +112,15 @@ def recordings(made_once: MadeOnce) -> KeptRecordings:
 
 
 @pytest.fixture(scope="session")
+def wheel(made_once: MadeOnce) -> Path:
+    """The course's wheel, as `make wheel` builds it."""
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "wheel", "--quiet"]
+    options = ["--no-deps", "--no-build-isolation", str(ROOT), "--wheel-dir"]
+    made = made_once("wheel", lambda folder: subprocess.run([*pip, *options, folder], check=True))
+    return next(made.glob("*.whl"))
+
+
+@pytest.fixture(scope="session")
 def site(made_once: MadeOnce) -> Path:
     """The folder of the lesson's site. Its build has nothing to complain about."""
     for library in ("sphinx", "myst_parser", "furo"):

@@ -1,12 +1,11 @@
 """`course autograde` as it is typed: what it takes in, its exit code, and one small class."""
 
-import csv
 import zipfile
 from pathlib import Path
 
 from command_line import course
 
-from grader.course.exercises import SOLUTIONS, find_exercise
+from grader.course.exercises import find_exercise
 
 AGENT = "obstacle_avoidance_agent.py"
 (LIVE,) = find_exercise("live_parameters").files
@@ -17,23 +16,6 @@ def look(*arguments: object) -> tuple[int, str]:
     done = course("autograde", *arguments, COLUMNS="200")
     assert "Traceback" not in done.err
     return done.code, done.out + done.err
-
-
-def test_from_a_download_to_the_gradebook(tmp_path: Path) -> None:
-    week, out = tmp_path / "week", tmp_path / "out"
-    week.mkdir()
-    work = (SOLUTIONS / "live_parameters" / LIVE).read_bytes()
-    (week / f"leecarla_12345_678901_{LIVE}").write_bytes(work)
-    (tmp_path / "class.csv").write_text(ROSTER)
-    options = ("--roster", tmp_path / "class.csv", "--out", out, "--canaries", 0, "--trust")
-    code, said = look(week, *options)
-    assert code == 0, said
-    assert "1 graded, 0 held for a person, 1 not handed in." in said
-    rows = list(csv.DictReader((out / "scores.csv").read_text("utf-8-sig").splitlines()))
-    assert [(row["name"], row["state"], row["points"]) for row in rows] == [
-        ("Bo Ray", "not handed in", ""), ("Carla Lee", "graded", "100")
-    ]  # fmt: skip
-    assert '"Lee, Carla",12345,clee,A,100' in (out / "canvas" / "live_parameters.csv").read_text()
 
 
 def test_a_look_at_what_was_handed_in(tmp_path: Path) -> None:

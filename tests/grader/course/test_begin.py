@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -31,23 +28,6 @@ def test_all_that_a_student_needs_is_there(exercise: Exercise, tmp_path: Path) -
         for link in re.findall(r"\]\((?!https?:)([^)#]+)", (folder / page).read_text("utf-8")):
             other = re.fullmatch(r"\.\./(\w+)/README\.md", link)  # there once it is begun
             assert find_exercise(other[1]) if other else (folder / link).is_file(), link
-
-
-def test_the_first_tests_of_their_own_can_fail_and_pass(tmp_path: Path) -> None:
-    exercise = find_exercise("1")
-    for name in ("begun", "solved"):
-        (tmp_path / name).mkdir()
-        begin(exercise, tmp_path / name)
-    for name in exercise.files:
-        mine = tmp_path / "solved" / exercise.slug / name
-        mine.write_bytes((exercise.solutions / name).read_bytes())
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:hypothesispytest",
-         "--import-mode=importlib", "-c", os.devnull, "--rootdir", tmp_path],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert "1 failed, 3 passed" in done.stdout, done.stdout + done.stderr
-    assert "FAILED begun/" in done.stdout
 
 
 def test_work_is_not_overwritten_and_the_next_one_is_begun(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from pathlib import Path
 
 import pytest
@@ -21,25 +20,6 @@ KILLS = {  # as the page says
     "latched_stop": "test_drives_on_when_the_cart_has_passed",
     "two_twists_per_scan": "test_answers_each_scan_once",
 }
-
-
-@pytest.mark.parametrize(
-    ("blocks", "tests"),
-    [
-        pytest.param((DRIVEN, SHARED), 5, id="driven", marks=pytest.mark.long),
-        pytest.param((AROUND, CLOCK), 2, id="around"),
-    ],
-)
-def test_every_test_of_the_page_passes_for_the_reference(
-    tmp_path: Path, blocks: tuple[str, ...], tests: int
-) -> None:
-    shutil.copy(AGENT, tmp_path / "my_agent.py")
-    for number, block in enumerate(blocks):
-        (tmp_path / f"test_{number}.py").write_text(block, "utf-8")
-    session = pytest_in(tmp_path)
-    assert session.code == 0, session.output
-    assert len(session.tests) == "".join(blocks).count("\ndef test_") == tests
-    assert not (tmp_path / ".course").exists()  # replays are of failures
 
 
 @pytest.mark.long

@@ -1,0 +1,48 @@
+"""What several journeys begin with. Each starts where its person starts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+
+import pytest
+from person import Person, clone, environment
+
+MadeOnce = Callable[[str, Callable[[Path], object]], Path]  # of tests/conftest.py
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Skip where ROS came from elsewhere: pip would bring Jazzy's wheels."""
+    try:
+        distribution("ros-jazzy-rclpy")
+    except PackageNotFoundError:
+        for item in items:
+            if Path(__file__).parent in item.path.parents:
+                item.add_marker(pytest.mark.skip(reason="needs ROS 2 Jazzy by pip"))
+
+
+@pytest.fixture(scope="session")
+def installed(made_once: MadeOnce, wheel: Path) -> Path:
+    """Return an empty environment into which the wheel was installed."""
+    return made_once("installed", lambda folder: environment(folder / "env", str(wheel))) / "env"
+
+
+@pytest.fixture
+def person(tmp_path: Path, installed: Path) -> Person:
+    """Return somebody with the wheel and an empty folder."""
+    return Person(tmp_path, installed)
+
+
+@pytest.fixture(scope="session")
+def instructors(made_once: MadeOnce) -> Path:
+    """Return an instructor's folder of notebooks, in a clone; beside that is an environment."""
+
+    def make(folder: Path) -> None:
+        course = clone(Person(folder), "course")
+        env = environment(folder / "env", f"--editable {course}", ("ros", "notebooks"))
+        instructor = Person(course / "notebooks", env)
+        for line in ("python -m grader.notebook.build", "nbgrader generate_assignment 01_loop"):
+            instructor.types(line)
+
+    return made_once("instructors", make) / "course" / "notebooks"
