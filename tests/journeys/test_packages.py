@@ -12,23 +12,15 @@ CREATED = {
         <?xml version="1.0"?>
         <?xml-model href="http://download.ros.org/schema/package_format3.xsd"?>
         <package format="3">
-          <name>my_robot</name>
-          <version>0.0.0</version>
+          <name>my_robot</name> <version>0.0.0</version>
           <description>TODO: Package description</description>
           <maintainer email="ada@todo.todo">ada</maintainer>
           <license>TODO: License declaration</license>
           <test_depend>ament_copyright</test_depend>
-          <export>
-            <build_type>ament_python</build_type>
-          </export>
+          <export> <build_type>ament_python</build_type> </export>
         </package>
         """,
-    "my_robot/setup.cfg": """
-        [develop]
-        script_dir=$base/lib/my_robot
-        [install]
-        install_scripts=$base/lib/my_robot
-        """,
+    "my_robot/setup.cfg": "[develop]\nscript_dir=$base/lib/my_robot\n",
     "my_robot/setup.py": """
         from glob import glob
         from setuptools import find_packages, setup
@@ -40,24 +32,17 @@ CREATED = {
             version='0.0.0',
             packages=find_packages(exclude=['test']),
             data_files=[
-                ('share/ament_index/resource_index/packages',
-                    ['resource/' + package_name]),
+                ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
                 ('share/' + package_name, ['package.xml']),
                 ('share/' + package_name + '/launch', glob('launch/*launch.[pxy][yma]*')),
                 ('share/' + package_name + '/config', glob('config/*.yaml')),
             ],
             install_requires=['setuptools'],
             zip_safe=True,
-            maintainer='ada',
-            maintainer_email='ada@todo.todo',
-            description='TODO: Package description',
-            license='TODO: License declaration',
             tests_require=['pytest'],
-            entry_points={
-                'console_scripts': [
-                    'live_parameters_agent = my_robot.live_parameters_agent:main'
-                ],
-            },
+            entry_points={'console_scripts': [
+                'live_parameters_agent = my_robot.live_parameters_agent:main'
+            ]},
         )
         """,
     "my_robot/resource/my_robot": "",
@@ -72,10 +57,8 @@ CREATED = {
         def generate_launch_description():
             share = get_package_share_directory('my_robot')
             return LaunchDescription([Node(
-                package='my_robot',
-                executable='live_parameters_agent',
-                parameters=[{'use_sim_time': False}, os.path.join(share, 'config', 'mine.yaml')],
-            )])
+                package='my_robot', executable='live_parameters_agent',
+                parameters=[{'use_sim_time': False}, os.path.join(share, 'config', 'mine.yaml')])])
         """,
     MINE: """
         /**:
@@ -87,8 +70,6 @@ CREATED = {
 PUBLIC = {
     "src/wall_interfaces/package.xml": """
         <package format="3"><name>wall_interfaces</name><version>0.1.2</version>
-          <description>Of wall_follower</description><license>MIT</license>
-          <maintainer email="eve@example.org">eve</maintainer>
           <buildtool_depend>rosidl_default_generators</buildtool_depend>
           <member_of_group>rosidl_interface_packages</member_of_group>
           <export><build_type>ament_cmake</build_type></export></package>
@@ -97,19 +78,14 @@ PUBLIC = {
         cmake_minimum_required(VERSION 3.8)
         project(wall_interfaces)
         find_package(rosidl_default_generators REQUIRED)
-        set(msg_files
-          "msg/Wall.msg"
-        )
+        set(msg_files "msg/Wall.msg")
         rosidl_generate_interfaces(${PROJECT_NAME} ${msg_files} "srv/SetSide.srv"
           DEPENDENCIES std_msgs)
-        ament_package()
         """,
     "src/wall_interfaces/msg/Wall.msg": "std_msgs/Header header\nfloat32 distance  # [m]\n",
     "src/wall_interfaces/srv/SetSide.srv": "uint8 LEFT=1\nuint8 side\n---\nstring message\n",
     "src/wall_follower/package.xml": """
         <package format="3"><name>wall_follower</name><version>0.1.2</version>
-          <description>Follows a wall</description><license>MIT</license>
-          <maintainer email="eve@example.org">eve</maintainer>
           <depend>wall_interfaces</depend>
           <export><build_type>ament_python</build_type></export></package>
         """,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import stat
 import subprocess
@@ -92,16 +91,3 @@ def test_wrong_usage_is_told(options: list[str], said: str, tmp_path: Path) -> N
     with pytest.raises(InputError, match=re.escape(said)):
         CliRunner().invoke(cli, ["release", str(tmp_path / "x"), *options], catch_exceptions=False)
     assert not (tmp_path / "x").exists()
-
-
-@pytest.mark.long
-def test_the_command_says_where_it_is_and_what_it_is_worth(tmp_path: Path) -> None:
-    folder = tmp_path / "upload"
-    done = CliRunner().invoke(
-        cli, ["release", str(folder), "--gradescope", "--exercise", "1", "--exercise", "3"]
-    )
-
-    assert done.exit_code == 0, done.output
-    assert "autograder points: 200" in done.output
-    with zipfile.ZipFile(folder / "autograder.zip") as archive:
-        assert json.loads(archive.read(SETTINGS))["hide"] == ["nothing"]
