@@ -2,24 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 import pytest
-from person import Person, clone, environment
-
-MadeOnce = Callable[[str, Callable[[Path], object]], Path]  # of tests/conftest.py
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Skip where ROS came from elsewhere: pip would bring Jazzy's wheels."""
-    try:
-        distribution("ros-jazzy-rclpy")
-    except PackageNotFoundError:
-        for item in items:
-            if Path(__file__).parent in item.path.parents:
-                item.add_marker(pytest.mark.skip(reason="needs ROS 2 Jazzy by pip"))
+from person import MadeOnce, Person, clone, environment
 
 
 @pytest.fixture(scope="session")

@@ -34,7 +34,9 @@ ANSWER = "It perceives, decides and acts. BEGIN MARK SCHEME"
 MARKS = """
 from nbgrader.api import Gradebook
 with Gradebook("sqlite:///gradebook.db") as book:
-    book.find_grade("quiz-1", "quiz", "quiz", "ann").manual_score = 3.0
+    for n in range(1, 6):
+        grade = book.find_grade(f"quiz-{n}", "quiz", "quiz", "ann")
+        grade.manual_score, grade.needs_manual_grade = 3.0 * (n == 1), False
     book.db.commit()
 """
 WANTED = {  # most, raw, penalty, score

@@ -79,11 +79,9 @@ PUBLIC = {
         project(wall_interfaces)
         find_package(rosidl_default_generators REQUIRED)
         set(msg_files "msg/Wall.msg")
-        rosidl_generate_interfaces(${PROJECT_NAME} ${msg_files} "srv/SetSide.srv"
-          DEPENDENCIES std_msgs)
+        rosidl_generate_interfaces(${PROJECT_NAME} ${msg_files} DEPENDENCIES std_msgs)
         """,
     "src/wall_interfaces/msg/Wall.msg": "std_msgs/Header header\nfloat32 distance  # [m]\n",
-    "src/wall_interfaces/srv/SetSide.srv": "uint8 LEFT=1\nuint8 side\n---\nstring message\n",
     "src/wall_follower/package.xml": """
         <package format="3"><name>wall_follower</name><version>0.1.2</version>
           <depend>wall_interfaces</depend>
@@ -98,18 +96,12 @@ PUBLIC = {
             name=package_name, version="0.1.2", packages=[package_name],
             data_files=[(os.path.join("share", package_name), ["package.xml"]),
                         (os.path.join("share", package_name, "launch"), glob("launch/*.py"))],
-            entry_points={"console_scripts": ["follower = wall_follower.follower:main",
-                                              "side = wall_follower.side:main"]})
+            entry_points={"console_scripts": ["follower = wall_follower.follower:main"]})
         """,
     "src/wall_follower/wall_follower/__init__.py": "",
-    "src/wall_follower/wall_follower/pid.py": """
-        class PID:
-            def __init__(self, kp, kd):
-                self.kp, self.kd, self.last = kp, kd, 0.0
-
-            def update(self, error, dt):
-                slope, self.last = (error - self.last) / dt, error
-                return self.kp * error + self.kd * slope
+    "src/wall_follower/wall_follower/control.py": """
+        def turn(side, error, gain=0.8):
+            return side * gain * error
         """,
     "src/wall_follower/wall_follower/follower.py": """
         #!/usr/bin/env python3
@@ -119,25 +111,18 @@ PUBLIC = {
         from rclpy.node import Node
         from sensor_msgs.msg import LaserScan
         from wall_interfaces.msg import Wall
-        from wall_interfaces.srv import SetSide
-        from .pid import PID
+        from .control import turn
 
         class WallFollower(Node):
             def __init__(self):
                 super().__init__("wall_follower")
                 self.declare_parameters("", [("scan_topic", "laser/scan"), ("speed", 0.25)])
-                self.side, self.scan, self.pid = -1, None, PID(0.8, 0.1)
+                self.side, self.scan = -1, None
                 topic = self.get_parameter("scan_topic").get_parameter_value().string_value
                 self.create_subscription(LaserScan, topic, self.on_scan, 1)
                 self.drive = self.create_publisher(TwistStamped, "drive", 1)
                 self.wall = self.create_publisher(Wall, "~/wall", 10)
-                self.create_service(SetSide, "~/set_side", self.set_side)
                 self.create_timer(0.1, self.control)
-
-            def set_side(self, request, response):
-                self.side = 1 if request.side == SetSide.Request.LEFT else -1
-                response.message = "left" if self.side > 0 else "right"
-                return response
 
             def on_scan(self, msg):
                 self.scan = msg
@@ -152,26 +137,12 @@ PUBLIC = {
                 msg.header.stamp = self.get_clock().now().to_msg()
                 msg.twist.linear.x = self.get_parameter("speed").value
                 if math.isfinite(distance):
-                    msg.twist.angular.z = self.side * self.pid.update(distance - 1.0, 0.1)
+                    msg.twist.angular.z = turn(self.side, distance - 1.0)
                 self.drive.publish(msg)
 
         def main(args=None):
             rclpy.init(args=args)
             rclpy.spin(WallFollower())
-        """,
-    "src/wall_follower/wall_follower/side.py": """
-        import rclpy
-        from wall_interfaces.srv import SetSide
-
-        def main():
-            rclpy.init()
-            node = rclpy.create_node("side")
-            client = node.create_client(SetSide, "/wall_follower/set_side")
-            while not client.wait_for_service(timeout_sec=1.0):
-                node.get_logger().info("waiting")
-            future = client.call_async(SetSide.Request(side=SetSide.Request.LEFT))
-            rclpy.spin_until_future_complete(node, future)
-            print("answer:", future.result().message)
         """,
     "src/wall_follower/launch/demo.launch.py": """
         from launch import LaunchDescription
@@ -180,8 +151,7 @@ PUBLIC = {
         def generate_launch_description():
             return LaunchDescription([
                 Node(package="wall_follower", executable="follower", output="screen",
-                     remappings=[("laser/scan", "/scan"), ("drive", "/cmd_vel")]),
-                Node(package="wall_follower", executable="side")])
+                     remappings=[("laser/scan", "/scan"), ("drive", "/cmd_vel")])])
         """,
 }
 
@@ -206,6 +176,5 @@ def test_interfaces_of_its_own(person: Person, runtime: str) -> None:
     said = " ".join(person.types(f"{drive} --duration 20 {runtime}").split())
     assert "-> /wall_follower/wall wall_interfaces/msg/Wall reliable 199 messages" in said
     assert "-> /cmd_vel geometry_msgs/msg/TwistStamped reliable 199 messages" in said
-    assert "answer: left" in said
     assert ("practice: your instructor" in said) == bool(runtime)
     assert "Left behind" not in said

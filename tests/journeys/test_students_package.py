@@ -6,8 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from conftest import MadeOnce
-from person import INSTRUCTOR, ROOT, Person, environment
+from person import INSTRUCTOR, ROOT, MadeOnce, Person, environment
 
 FILE = "obstacle_avoidance/obstacle_avoidance_agent.py"
 
