@@ -1,6 +1,6 @@
 """`prepare` and the first cell: what lacks is installed, and nothing restarts.
 
-`tests/journeys/test_notebook.py` does all of it on a real bare system Python.
+`tests/journeys/test_notebook_begun.py` does all of it on a real bare system Python.
 """
 
 from __future__ import annotations
