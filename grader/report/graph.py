@@ -52,9 +52,12 @@ class _Link(NamedTuple):
 Topics = dict[tuple[str, str], list[_Link]]
 
 
-def graph_html(recording: Recording) -> str:
-    """Return the graph as HTML that is safe to show; "" if no node had any end."""
-    wiring, own = Wiring(recording), set(recording.ends)
+def graph_html(recording: Recording, *, judge: bool = True) -> str:
+    """Return the graph as HTML that is safe to show; "" if no node had any end.
+
+    `judge`: whether to say what is wrong.
+    """
+    wiring, own = Wiring(recording), set(recording.ends if judge else ())
     ends = [end for end in dict.fromkeys(recording.endpoints) if end.kind in OF]
     if not ends:
         return ""
@@ -105,14 +108,16 @@ def _robots(recording: Recording, wiring: Wiring, all_: bool) -> Iterator[_Link]
 
 
 def _topics(links: Sequence[_Link]) -> Topics:
-    """Return ends by topics, by how many nodes lie between these and the robot's sensors."""
-    reached, rank, ranks = {ROBOT}, 0, dict[tuple[str, str], int]()
+    """Return ends by topics, in the order of the flow, from the robot's sensors to its motors."""
+    spoken = {link.topic for link in links if not link.side}
+    ranks, rank = dict.fromkeys({link.topic for link in links} - spoken, 1), 1
+    reached = {ROBOT} | {link.node for link in links if link.topic in ranks}
     while new := {e.topic for e in links if not e.side and e.node in reached} - ranks.keys():
-        rank += 1
         ranks |= dict.fromkeys(new, rank)
+        rank += 1
         reached |= {link.node for link in links if link.side and link.topic in new}
-    ranks |= {link.topic: rank + 2 for link in links if link.side and link.node == ROBOT}
-    topics = sorted({link.topic for link in links}, key=lambda t: (ranks.get(t, rank + 1), t))
+    ranks |= {link.topic: rank + 1 for link in links if link.side and link.node == ROBOT}
+    topics = sorted({link.topic for link in links}, key=lambda t: (ranks.get(t, rank), t))
     return {topic: [link for link in links if link.topic == topic] for topic in topics}
 
 
