@@ -290,7 +290,7 @@ def test_a_page_of_slow_cells_is_made_all_the_same(
     render: Render, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cells = [v4.new_markdown_cell("a **b**"), v4.new_markdown_cell("c **d**")]
-    clock = SimpleNamespace(monotonic=itertools.count(0, 100).__next__)  # a busy machine's
+    clock = SimpleNamespace(monotonic=itertools.count(100, 100).__next__)  # a busy machine's
     monkeypatch.setattr(offline, "time", clock)
     assert "as it was typed" not in render(v4.new_notebook(cells=cells), "feedback")
     monkeypatch.setattr(offline, "PAGE", 0.0)
