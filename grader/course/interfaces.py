@@ -19,7 +19,7 @@ DEFINITION = re.compile(r"(msg|srv|action)/[^/]+\.\1")
 LISTED = re.compile(r"\b(?:msg|srv|action)/[\w*]+\.(?:msg|srv|action)\b")
 GENERATE = "rosidl_generate_interfaces"
 GROUP = "<member_of_group>rosidl_interface_packages</member_of_group>"
-STOPS = "On a robot colcon build stops"
+STOPS = "On a robot colcon build"
 USED = re.compile(r"^([a-z]\w*)/[A-Z]", re.MULTILINE)
 BRING = {  # what packages of messages need themselves, and so bring along
     "builtin_interfaces": r"_msgs|srv/|action/", "std_msgs": r"(?<!\bstd)_msgs",
@@ -43,7 +43,8 @@ def taken(files: Mapping[str, Path], tops: Iterable[str]) -> tuple[dict[str, Pat
             if name and any(fnmatchcase(each, pattern) for pattern in listed):
                 found[f"share/{name[1]}/{each}"] = inside[each]
         if why := next(_unbuilt(inside, build, name), ""):
-            said.append(f"{STOPS}: {top}{why}")
+            does = "stops" if GENERATE in build else "makes no interfaces"
+            said.append(f"{STOPS} {does}: {top}{why}")
     return found, said
 
 
@@ -62,9 +63,11 @@ def _unbuilt(files: Mapping[str, Path], build: str, name: re.Match[str] | None) 
         yield f"{MANIFEST} lacks {GROUP}"
     used = {name for each in listed if each in files for name in USED.findall(_text(files[each]))}
     for each in ("rosidl_default_generators", *sorted(used - {name[1] if name else ""})):
-        if not re.search(rf"\b{each}\b|{BRING.get(each, '$.')}", build):
+        named = len(re.findall(rf"\b{each}\b", build))
+        alone = each in used and named == 1 and re.search(rf"find_package\(\s*{each}\b", build)
+        if (alone or not named) and not re.search(BRING.get(each, "$."), build):
             also = f" and DEPENDENCIES {each}" * (each in used)
-            yield f"{BUILD} lacks find_package({each} REQUIRED){also}"
+            yield f"{BUILD} wants find_package({each} REQUIRED){also}"
 
 
 def _text(file: Path) -> str:

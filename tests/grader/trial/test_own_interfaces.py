@@ -16,7 +16,8 @@ INTERFACES = {
         find_package(rosidl_default_generators REQUIRED)
         find_package(geometry_msgs REQUIRED)
         set(files "msg/Seen.msg" "srv/Ask.srv")  # "msg/Unlisted.msg"
-        rosidl_generate_interfaces(${PROJECT_NAME} ${files} "action/Count.action")
+        rosidl_generate_interfaces(${PROJECT_NAME} ${files} "action/Count.action"
+            DEPENDENCIES geometry_msgs)
         """,
     "our_types/msg/Seen.msg": """
         uint8 NEAR=1   # closer than a metre
@@ -138,13 +139,8 @@ def test_a_file_takes_a_folder_beside_it(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("file", "before", "after", "expected"),
     [
-        (
-            "CMakeLists.txt",
-            "find_package(rosidl_default_generators",
-            "(",
-            "lacks find_package(rosid",
-        ),
-        ("CMakeLists.txt", "find_package(geometry_msgs", "(", "D) and DEPENDENCIES geometry_msgs."),
+        ("CMakeLists.txt", "rosidl_default_generators", "", "wants find_package(rosidl_default_g"),
+        ("CMakeLists.txt", "DEPENDENCIES geometry_msgs", "", "D) and DEPENDENCIES geometry_msgs."),
         ("CMakeLists.txt", "rosidl_generate", "gen", "has no rosidl_generate_interfaces(…)."),
         ("CMakeLists.txt", "Ask", "Task", "names srv/Task.srv, but there is no such file."),
         ("package.xml", GROUP, "", f"package.xml lacks {GROUP}."),
