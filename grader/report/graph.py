@@ -71,7 +71,7 @@ def graph_html(recording: Recording, *, judge: bool = True) -> str:
     left = len(ends) - len(shown)
     about += f"; {_plural(left, 'end')} left out" if left else ""
     silent = faults and not any(m.topic == CMD_VEL_TOPIC for m in recording.published)
-    kind = f"{' is-first' * (bool(faults) or nodes > 1)}{' is-silent' * bool(silent)}"
+    kind = " is-first" if faults or nodes > 1 else ""
     told = f' <b class="graph-sign">✗ {_plural(len(faults), "fault")}</b>' if faults else ""
     items = "".join(
         f"<li><b>{_said(end.topic)}</b>, {_said(end.node)}: {_said(text)}</li>"
@@ -109,15 +109,17 @@ def _robots(recording: Recording, wiring: Wiring, all_: bool) -> Iterator[_Link]
 
 def _topics(links: Sequence[_Link]) -> Topics:
     """Return ends by topics, in the order of the flow, from the robot's sensors to its motors."""
-    spoken = {link.topic for link in links if not link.side}
-    ranks, rank = dict.fromkeys({link.topic for link in links} - spoken, 1), 1
-    reached = {ROBOT} | {link.node for link in links if link.topic in ranks}
-    while new := {e.topic for e in links if not e.side and e.node in reached} - ranks.keys():
+    ranks, rank, reached = dict[tuple[str, str], int](), 1, {ROBOT}
+    by = {link.topic: link.node for link in links if not link.side}
+    new = {link.topic for link in links if by.get(link.topic, ROBOT) == ROBOT}
+    while new:
         ranks |= dict.fromkeys(new, rank)
         rank += 1
         reached |= {link.node for link in links if link.side and link.topic in new}
+        new = {e.topic for e in links if not e.side and e.node in reached} - ranks.keys()
     ranks |= {link.topic: rank + 1 for link in links if link.side and link.node == ROBOT}
-    topics = sorted({link.topic for link in links}, key=lambda t: (ranks.get(t, rank), t))
+    every = {link.topic for link in links}
+    topics = sorted(every, key=lambda t: (ranks.get(t, rank), by.get(t, ""), t))
     return {topic: [link for link in links if link.topic == topic] for topic in topics}
 
 

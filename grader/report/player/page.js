@@ -34,7 +34,7 @@ function toggleTheme() {
 
 /** The run in words would stand below the log, out of view. */
 function foldAccount(page) {
-  page.querySelectorAll('.account-part, .graph-part:not(.is-silent)').forEach((part) => { part.open = false; });
+  page.querySelectorAll('.account-part').forEach((part) => { part.open = false; });
 }
 
 /** Once the frame has its width: it has none where it is folded away. */

@@ -93,7 +93,8 @@ class Player {
     this.graph = drawn && document.importNode(drawn, true);
     if (!drawn) return;
     const isFirst = drawn.matches('.is-first');
-    if (isFirst && this.replays.length === 1 && this.parts.element.clientWidth > 560) this.graph.open = true;
+    const { element } = this.parts;
+    if (isFirst && !this.replays[1] && element.clientWidth > 560 && !element.closest('.is-embedded')) this.graph.open = true;
     (isFirst ? this.parts.head.element : this.parts.side).append(this.graph);
   }
 
