@@ -240,7 +240,7 @@ def _read_count(data: memoryview, at: int) -> tuple[int, int]:
 def _write_string(out: bytearray, value: Any) -> None:
     if not isinstance(value, str):
         raise AssertionError(f"expected a str, got {type(value).__name__}")
-    data = value.encode("utf-8")
+    data = value.encode("utf-8").partition(b"\0")[0]  # a text of C's ends there
     _write_count(out, len(data) + 1)
     out += data
     out.append(0)

@@ -234,6 +234,9 @@ RULES = (
     Rule("AttributeError", r"^'list' object has no attribute '(?:name|value|type_)'", r"param\w*\.",
          "add_on_set_parameters_callback hands over a list, also of one Parameter: for parameter "
          "in parameters:", PARAMETERS),
+    Rule("InvalidParameterTypeException", "expecting type 'BYTE_ARRAY'", "",
+         "an empty list has no type, so rclpy takes it for bytes: declare_parameter('name', "
+         "Parameter.Type.DOUBLE_ARRAY), or STRING_ARRAY, or a default of one item", PARAMETERS),
     Rule("InvalidParameterTypeException", "", "",
          "a parameter keeps the type of its default: 1.0 for a float, not 1", PARAMETERS),
     Rule("RCLError", r"'--params-file ([^']+)'\. Error: Cannot have a value before", "",

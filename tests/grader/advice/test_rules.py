@@ -81,6 +81,8 @@ MEANT = {
     "self.get_parameter('speed').get_parameter_value() < 1.0": ".double_value",
     "float(self.get_parameter('speed').get_parameter_value())": ".double_value",
     "self.declare_parameter('speed', 1.0)": "declared twice",
+    "from rclpy.parameter import Parameter as P\n"
+    "Node('o', parameter_overrides=[P('e', value=['a'])]).declare_parameter('e', [])": "for bytes",
     "import rcl_interfaces.msg as r; self.declare_parameter('a', 1.0, r.ParameterDescriptor("
     "floating_point_range=r.FloatingPointRange()))": "=[FloatingPointRange(",
     "parameter = [1]; parameter.value": "hands over a list, also of one Parameter",
