@@ -55,7 +55,7 @@ NODE = """
             self.counted = ActionClient(self, Count, "count")
 
         def hear(self, scan):
-            self.seen.publish(Seen(header=scan.header, distances=scan.ranges[:3], word="lidar\\0 2"))
+            self.seen.publish(Seen(header=scan.header, distances=scan.ranges[:3], word="lidar\\0 "))
 
         async def ask(self, seen):
             answer = await self.asked.call_async(Ask.Request(seen=seen))
