@@ -21,32 +21,16 @@ RATED = 1.0  # [s] that a node has to be there for a rate of its messages, and f
 MOST_NOTED = 490.0  # [Hz] a loop without a wait publishes more, and in real time 500 are noted
 DEMOS = "demo_"  # how the scenarios begin that are for any node
 LIFECYCLE = "lifecycle_msgs/"  # the ends of such a node that rclpy makes in C: nobody sees them
-PARAMETER_SERVICES = (
-    "describe_parameters",
-    "get_parameter_types",
-    "get_parameters",
-    "list_parameters",
-    "set_parameters",
-    "set_parameters_atomically",
-    "get_type_description",
-)
+OF_ALL = ("describe_param", "get_param", "get_type_desc", "list_param", "set_param")  # services
 
 
 class Wiring:
-    """The connections of a recording.
-
-    Attributes
-    ----------
-    sent
-        Messages of the robot, by their topics.
-    said
-        Messages of the programs, by topic and type.
-    """
+    """The connections of a recording's ends."""
 
     def __init__(self, recording: Recording) -> None:
         self._recording = recording
         self._ends = recording.endpoints
-        self.sent = Counter(message.topic for message in recording.delivered)
+        self.sent = Counter(m.topic for m in recording.delivered)  # messages of the robot, by topic
         self.said = Counter((m.topic.removeprefix(OURS), m.type) for m in recording.published)
         done = recording.outcome.completed
         self.lasted = recording.duration_s if done else recording.outcome.at  # [s] of the node
@@ -153,7 +137,7 @@ class Wiring:
 
     def _served(self, client: Endpoint) -> bool:
         node, _, service = client.topic.rpartition("/")
-        if service in PARAMETER_SERVICES or client.type.startswith(LIFECYCLE):  # in each such node
+        if service.startswith(OF_ALL) or client.type.startswith(LIFECYCLE):  # in each such node
             return any(end.node == node for end in self._ends)
         offers = "service" if client.kind == "client" else "action server"
         wanted = (offers, client.topic, client.type)

@@ -28,20 +28,15 @@ NODE, TOPIC, GAP, LINE = 86, 156, 22, 14  # [px] widths, and the height of a lin
 WIDTH = 2 * NODE + TOPIC + 2 * GAP  # fits a phone
 OF_NODE, OF_TOPIC, SMALL = 10, 20, 22  # characters of a line in a box
 MOST_LINES = 4  # of one name
-# The kinds of ends, by what they are ends of: those from which messages come, and the others
-KINDS = {
-    "topic": ("publisher", "subscription"),
-    "service": ("client", "service"),
-    "action": ("action client", "action server"),
-}
-OF = {kind: (what, side) for what, kinds in KINDS.items() for side, kind in enumerate(kinds)}
+FROM = {"publisher": "topic", "client": "service", "action client": "action"}  # kinds of ends
+TO = {"subscription": "topic", "service": "service", "action server": "action"}
 
 
 class _Link(NamedTuple):
     """An end of a topic, service or action."""
 
     topic: tuple[str, str]  # its name, and what it is
-    side: int
+    side: int  # 0: from where messages come, 1: where they go
     node: str
     type: str
     quality: str = ""
@@ -58,7 +53,7 @@ def graph_html(recording: Recording, *, judge: bool = True) -> str:
     `judge`: whether to say what is wrong.
     """
     wiring, own = Wiring(recording), set(recording.ends if judge else ())
-    ends = [end for end in dict.fromkeys(recording.endpoints) if end.kind in OF]
+    ends = [end for end in dict.fromkeys(recording.endpoints) if end.kind in FROM | TO]
     if not ends:
         return ""
     faults = {end: text for end in ends if end in own and (text := wiring.fault(end))}
@@ -66,7 +61,7 @@ def graph_html(recording: Recording, *, judge: bool = True) -> str:
     shown = sorted(ends, key=lambda end: end not in faults)[:MOST]
     topics = _topics([*_own(wiring, shown, numbers), *_robots(recording, wiring, bool(faults))])
     nodes, counts = len({end.node for end in shown}), Counter(what for _, what in topics)
-    counted = [_plural(counts[what], what) for what in KINDS if counts[what]]
+    counted = [_plural(counts[what], what) for what in TO.values() if counts[what]]
     about = ", ".join([_plural(nodes, "node"), *counted])
     left = len(ends) - len(shown)
     about += f"; {_plural(left, 'end')} left out" if left else ""
@@ -90,8 +85,9 @@ def _own(wiring: Wiring, ends: Iterable[Endpoint], numbers: dict[Endpoint, int])
     for end in ends:
         quality = end.reliability.replace("_", " ")
         quality += ", transient local" if end.durability == "transient_local" else ""
-        (what, side), number, messages = OF[end.kind], numbers.get(end, 0), wiring.messages(end)
-        yield _Link((end.topic, what), side, end.node, end.type, quality, messages, number)
+        topic, side = (end.topic, (FROM | TO)[end.kind]), int(end.kind in TO)
+        messages, number = wiring.messages(end), numbers.get(end, 0)
+        yield _Link(topic, side, end.node, end.type, quality, messages, number)
 
 
 def _robots(recording: Recording, wiring: Wiring, all_: bool) -> Iterator[_Link]:
@@ -129,9 +125,10 @@ def _topics(links: Sequence[_Link]) -> Topics:
 def _svg(topics: Topics, label: str) -> str:
     """Return the drawing: nodes that send, topics, nodes that hear, from left to right."""
     texts = {topic: _inside(topic, links) for topic, links in topics.items()}
-    middle = dict(zip(topics, _stack([*texts.values()], [0.0] * len(texts)), strict=True))
+    middles, height = _stack([*texts.values()], [0.0] * len(texts))
+    middle = dict(zip(topics, middles, strict=True))
     bad = {topic for topic, links in topics.items() if any(link.number for link in links)}
-    drawn, height = "", 0.0
+    drawn = ""
     for side, x in enumerate((0, WIDTH - NODE)):
         rows: dict[tuple[str, object], list[_Link]] = {}  # a box's links, by name and presence
         for topic, links in topics.items():
@@ -142,17 +139,16 @@ def _svg(topics: Topics, label: str) -> str:
                 rows[NOBODY, topic] = [_Link(topic, side, NOBODY, "")]
         names = [[(line, "") for line in _wrapped(name, OF_NODE)] for name, _ in rows]
         wanted = [mean(middle[link.topic] for link in links) for links in rows.values()]
-        for y, lines, ((name, absent), links) in zip(
-            _stack(names, wanted), names, rows.items(), strict=True
-        ):
+        middles, bottom = _stack(names, wanted)
+        height = max(height, bottom)
+        for y, lines, (name, absent) in zip(middles, names, rows, strict=True):
             kind = "nobody" if absent else "robot" if name == ROBOT else "node"
-            drawn += "".join(_edge(y, middle[e.topic], e) for e in links if not absent)
+            links = [] if absent else rows[name, absent]
+            drawn += "".join(_edge(y, middle[e.topic], e) for e in links)
             drawn += _box(f"graph-{kind}", x, y, NODE, lines)
-            height = max(height, y + _height(lines) / 2)
     for topic, lines in texts.items():
         kind = f"graph-topic{' is-bad' * (topic in bad)}"
         drawn += _box(kind, NODE + GAP, middle[topic], TOPIC, lines)
-        height = max(height, middle[topic] + _height(lines) / 2)
     return (
         f'<svg class="graph-drawn" viewBox="-1 0 {WIDTH + 2} {height + 1:g}" role="img" '
         f'aria-label="{label}">{drawn}</svg>'
@@ -177,13 +173,16 @@ def _height(lines: Sequence[object]) -> int:
     return LINE * len(lines) + 12
 
 
-def _stack(boxes: Sequence[Sequence[object]], wanted: Sequence[float]) -> list[float]:
-    """Return the middles of boxes below one another, each where it is wanted, or further down."""
-    found, top = [0.0] * len(boxes), 1.0
+def _stack(boxes: Sequence[Sequence[object]], wanted: Sequence[float]) -> tuple[list[float], float]:
+    """Return the middles of boxes below one another, each where it is wanted or further down.
+
+    Also return where the last of them ends.
+    """
+    found, bottom = [0.0] * len(boxes), 1.0 - LINE
     for i in sorted(range(len(boxes)), key=lambda i: wanted[i]):
-        found[i] = max(wanted[i], top + _height(boxes[i]) / 2)
-        top = found[i] + _height(boxes[i]) / 2 + LINE
-    return found
+        found[i] = max(wanted[i], bottom + LINE + _height(boxes[i]) / 2)
+        bottom = found[i] + _height(boxes[i]) / 2
+    return found, bottom
 
 
 def _box(kind: str, x: int, y: float, width: int, lines: Sequence[tuple[str, str]]) -> str:

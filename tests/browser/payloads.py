@@ -302,5 +302,6 @@ def odd_page() -> JsonDict:
     ]
     return page([odd_run(), replay()], checks, title=HOSTILE) | {
         "generated_by": HOSTILE,
+        "graphs": [graph(HOSTILE)],
         "odd": [float("nan"), float("inf"), np.float32(1.5), "\ud800"],
     }

@@ -28,17 +28,11 @@ def press(page: Any, *keys: str) -> None:
 
 
 @pytest.mark.parametrize("width", [390, 1280])
-def test_each_run_has_its_graph_above_the_map_where_something_is_wrong(
-    open_page: Open, width: int
-) -> None:
-    long = f"/{'very_long_name/' * 9}scan"
-    graphs = [payloads.graph("/laser", long), "", payloads.graph()]
-    runs = [payloads.wall_run(), payloads.goal_run(), payloads.goal_run()]
-    page = open_page(
-        payloads.page(runs) | {"graphs": graphs}, viewport={"width": width, "height": 800}
-    )
-    drawn = page.locator(".player-head .graph-part[open] svg")
-    assert "nobody publishes this topic" in page.locator(".graph li").first.inner_text()
+def test_each_run_has_its_graph_and_no_name_is_too_long(open_page: Open, width: int) -> None:
+    graphs = [payloads.graph("/laser", f"/{'very_long_name/' * 9}scan"), "", payloads.graph()]
+    pages = payloads.page([payloads.wall_run(), payloads.goal_run(), payloads.goal_run()])
+    page = open_page(pages | {"graphs": graphs}, viewport={"width": width, "height": 800})
+    drawn = page.locator(".player-head .graph-part[open] svg")  # above the map: the robot stands
     assert drawn.bounding_box()["width"] > 300
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     for run in (1, 2):

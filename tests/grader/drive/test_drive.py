@@ -241,7 +241,6 @@ PROBLEMS = {  # a node's source: what stands below its topics, in part
     "one command": ("m.linear.x = 0.3; times = 1", "the robot stopped at 0.60 s: it obeys a"),
     "a pause": ("m.linear.x = 0.3; period = 0.6", "0.60 s no other came until 1.20 s. Publish"),
     "a last zero": ("times = 1", ""),
-    "another topic": ("n.create_publisher(Twist, '/cmd_ve', 10)", "nobody listens here"),
     "a car's": (
         "from ackermann_msgs.msg import AckermannDriveStamped as Drive\n"
         "n.create_publisher(Drive, '/drive', 10)",
@@ -251,10 +250,6 @@ PROBLEMS = {  # a node's source: what stands below its topics, in part
         "c = rclpy.Context(); c.init(); n2 = rclpy.create_node('n2', context=c)\n"
         "n2.create_publisher(String, 'cmd_vel', 10)",
         "the robot does not hear this",
-    ),
-    "a topic of its own": (
-        "n.create_publisher(String, 'x', 10); n.create_subscription(String, 'x', print, 10)",
-        "",
     ),
     "QoS of its own": (
         "n.create_publisher(String, 'x', rclpy.qos.qos_profile_sensor_data)\n"
@@ -267,9 +262,7 @@ PROBLEMS = {  # a node's source: what stands below its topics, in part
         "n.create_subscription(LaserScan, 'scan', print, qos)",
         "reliable 0 messages WARNING: nothing arrives: publisher's liveliness is",
     ),
-    "nobody": ("n.create_subscription(LaserScan, 'laser', print, 10)", "robot publishes /scan"),
     "no goals": ("n.create_subscription(String, '/goal_pose', print, 10)", "nothing arrives: the"),
-    "no server": ("from std_srvs.srv import Trigger; n.create_client(Trigger, 'x')", "nobody offe"),
 }
 
 

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace as changed
 from test_replay import drive
 
 from grader.drive.topics import topic_lines
@@ -19,10 +20,6 @@ EVIL = "/<img src=x onerror=1>&\"'</svg></template><script>\u202e\x1b[31m\ud800@
 
 def run(*ends: Endpoint) -> Recording:
     return replace(drive(2.0), endpoints=ends)
-
-
-def changed(end: Endpoint, **parts: str) -> Endpoint:
-    return Endpoint(**{name: getattr(end, name) for name in end.__struct_fields__} | parts)
 
 
 @pytest.mark.parametrize(
