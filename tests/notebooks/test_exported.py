@@ -20,8 +20,7 @@ FILE = "obstacle_avoidance_agent.py"
 TEXT = "# from scratch\nimport rclpy\n\n\nclass A:\n    '''\n%%node b.py\n'''\n\n    # %% of a cell"
 
 
-def colab(notebook: NotebookNode) -> str:
-    """Save it as Colab's Download .py does."""
+def colab(notebook: NotebookNode) -> str:  # as its Download .py has it
     cells = []
     for cell in notebook.cells:
         magic = cell.source.startswith("%%")

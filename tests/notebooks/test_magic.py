@@ -49,7 +49,6 @@ def test_the_plug_in_reads_what_the_kernel_writes(kernel: Kernel, folder: Path, 
 def test_a_syntax_error_keeps_the_file_and_says_where(kernel: Kernel, folder: Path) -> None:
     kernel.run("%%node agent.py\nx = 1\n")
     said = kernel.run("%%node agent.py\nimport math\ndef f(:\n    pass\n")
-
     assert (folder / "agent.py").read_text() == "x = 1\n"
     lines = said.stdout.splitlines()
     assert lines[0] == "Not saved: agent.py, line 2 (line 3 of the cell): invalid syntax"
