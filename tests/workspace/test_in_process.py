@@ -63,11 +63,13 @@ def test_the_page_judges_as_course_grade_does(
     judged = _told(check for check in found["checks"] if check["id"] in here)
     wanted = _told(expected.as_dict()["checks"])
     if claim.kind == "reference":  # the points that the page promises
-        assert {said["outcome"] for said in judged.values()} <= {"pass", "inconclusive"}
+        ends = {check["outcome"] for check in found["checks"] if check["id"] in here}
+        assert ends <= {"pass", "inconclusive"}
     measured = [judged.pop(MEASURED, ""), wanted.pop(MEASURED, "")]
     assert judged == wanted
     assert "inconclusive" in measured or measured[0] == measured[1]  # of a busy machine
-    assert found["cause"] == json.loads(json.dumps(expected.as_dict()["cause"]))
+    cause = json.loads(json.dumps(expected.as_dict()["cause"]))  # the site has a page of hints
+    assert found["cause"] == (cause and {**cause, "hint": None})
     assert found["practice"]
     for recording in expected.recordings:
         touched = recording.truth.contact.any()  # the stand-in's push differs by up to a millimetre
