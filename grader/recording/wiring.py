@@ -17,6 +17,7 @@ COMMANDS = (TWIST, TWIST_STAMPED)  # types of messages that the robot understand
 OF_CARS = "ackermann_msgs/"  # how the types of what drives other robots begin
 OURS = "/from_node"  # before topics on which the node speaks in the robot's name
 ALIKE = 0.75  # two names
+MEANT, LONG = 30, 60  # names that are compared, and how much of each: its end
 RATED = 1.0  # [s] that a node has to be there for a rate of its messages, and for missing ones
 MOST_NOTED = 490.0  # [Hz] a loop without a wait publishes more, and in real time 500 are noted
 DEMOS = "demo_"  # how the scenarios begin that are for any node
@@ -121,9 +122,10 @@ class Wiring:
     def _meant(self, end: Endpoint, kind: str) -> Endpoint | None:
         """Return an end of the programs' that is alone as well, and whose name is much like it."""
         mates = {mate.topic for mate in self._all(end.kind)}
-        alone = {o.topic: o for o in self._all(kind) if o.type == end.type and o.topic not in mates}
-        found = difflib.get_close_matches(end.topic, sorted(alone), n=1, cutoff=ALIKE)
-        return alone[found[0]] if found else None
+        alone = [o for o in self._all(kind) if o.type == end.type and o.topic not in mates]
+        by_end = {other.topic[-LONG:]: other for other in alone[:MEANT]}
+        found = difflib.get_close_matches(end.topic[-LONG:], by_end, n=1, cutoff=ALIKE)
+        return by_end[found[0]] if found else None
 
     def _all(self, kind: str) -> list[Endpoint]:
         return [end for end in self._ends if end.kind == kind]

@@ -56,7 +56,8 @@ def graph_html(recording: Recording, *, judge: bool = True) -> str:
     ends = [end for end in dict.fromkeys(recording.endpoints) if end.kind in FROM | TO]
     if not ends:
         return ""
-    faults = {end: text for end in ends if end in own and (text := wiring.fault(end))}
+    judged = [end for end in ends if end in own][: 3 * MOST]
+    faults = {end: text for end in judged if (text := wiring.fault(end))}
     numbers = {end: i for i, end in enumerate(faults, 1)}
     shown = sorted(ends, key=lambda end: end not in faults)[:MOST]
     topics = _topics([*_own(wiring, shown, numbers), *_robots(recording, wiring, bool(faults))])

@@ -78,9 +78,9 @@ def test_names_stay_text() -> None:
 
 
 def test_of_very_many_ends_those_with_faults_are_drawn() -> None:
-    many = [changed(SAYS, topic=f"/t{i}") for i in range(500)]
+    many = [changed(SAYS, topic=f"/t{i}") for i in range(100)]
     graph = graph_html(run(*many, changed(HEARS, topic="/zzz", type=SCAN)))
-    assert "441 ends left out" in graph
+    assert "41 ends left out" in graph
     assert 'class="graph-edge is-bad"' in graph
     assert len(graph) < 60_000
     assert graph_html(run()) == ""
