@@ -71,6 +71,7 @@ PUBLIC = {
     "src/wall_interfaces/package.xml": """
         <package format="3"><name>wall_interfaces</name><version>0.1.2</version>
           <buildtool_depend>rosidl_default_generators</buildtool_depend>
+          <depend>std_msgs</depend>
           <member_of_group>rosidl_interface_packages</member_of_group>
           <export><build_type>ament_cmake</build_type></export></package>
         """,
@@ -78,6 +79,7 @@ PUBLIC = {
         cmake_minimum_required(VERSION 3.8)
         project(wall_interfaces)
         find_package(rosidl_default_generators REQUIRED)
+        find_package(std_msgs REQUIRED)
         set(msg_files "msg/Wall.msg")
         rosidl_generate_interfaces(${PROJECT_NAME} ${msg_files} DEPENDENCIES std_msgs)
         """,
