@@ -19,7 +19,7 @@ mount -t overlay overlay -o lowerdir=/,upperdir=layers/upper,workdir=layers/work
 for each in dev proc sys tmp; do mount --rbind /$each layers/root/$each; done
 mkdir layers/root/autograder
 mount --bind . layers/root/autograder
-chroot layers/root sh -ec "cd /autograder; bash source/setup.sh; ./run_autograder"
+/usr/sbin/chroot layers/root sh -ec "cd /autograder; bash source/setup.sh; ./run_autograder"
 """
 
 
