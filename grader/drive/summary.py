@@ -111,7 +111,9 @@ def event_lines(recording: Recording) -> list[str]:
             f"drove {steps.sum():.2f} m, from ({truth.x[0]:.2f}, {truth.y[0]:.2f}) "
             f"to ({truth.x[-1]:.2f}, {truth.y[-1]:.2f}); fastest {np.abs(truth.v).max():.2f} m/s"
             f"{_turned(truth)}",
-            f"nearest to an obstacle: {truth.clearance[nearest]:.2f} m "
+            "the lidar sees what a bench says, whatever stands there"
+            if recording.scenario.bench_scans
+            else f"nearest to an obstacle: {truth.clearance[nearest]:.2f} m "
             f"at {truth.t[nearest] / 1e9:.1f} s",
         ]
         touched = np.flatnonzero(truth.contact)

@@ -141,6 +141,16 @@ def test_a_reference_that_is_typed_at_a_persons_pace_is_kept_as_it_is(
     write_reference(Hands(open_editor()), find_exercise(SLUG))
 
 
+def test_no_list_opens_in_a_comment(open_editor: Callable[..., Any]) -> None:
+    hands = Hands(open_editor())
+    empty(hands.page)
+    hands.type("# too.")
+    assert hands.page.locator(".cm-tooltip-autocomplete").count() == 0
+    hands.press("Enter")
+    hands.type("self.")
+    assert hands.page.locator(".cm-tooltip-autocomplete").count() == 1
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("slug", [each.slug for each in all_exercises() if each.slug != SLUG])
 def test_a_reference_that_is_typed_fast_is_kept_as_it_is(

@@ -433,6 +433,10 @@ def test_a_python_that_a_node_broke_starts_anew(open_workspace: Any) -> None:
     assert page.locator(".ws-stale").is_hidden()
     type_in(page, "# changed\n")
     assert page.locator(".ws-stale").is_visible()
+    page.keyboard.press("Control+Enter")  # now the pane speaks of this text, and of no other
+    page.get_by_label("The drive").wait_for(timeout=SLOW)
+    assert page.locator(".ws-stale").is_hidden()
+    assert page.locator("[data-outcome=fail]").count() == 0
 
 
 def test_what_is_typed_during_a_check_is_not_checked(open_workspace: Any) -> None:

@@ -24,10 +24,10 @@ const choose = [
 /** Offer words after a dot; each has a value: what it belongs to. */
 function afterDots(words) {
   const options = Object.entries(words).map(([label, detail]) => ({ label, detail, type: detail === 'Node' ? 'method' : 'property' }));
-  return (context) => {
+  return ifNotIn(['String', 'Comment'], (context) => {
     const found = context.matchBefore(/\.\w*/);
     return found && { from: found.from + 1, options, validFor: /^\w*$/ };
-  };
+  });
 }
 
 /** Go to the end of the line, not of what the window shows of it. */

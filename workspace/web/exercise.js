@@ -93,7 +93,10 @@ export class Exercise extends Workspace {
       const file = isOwn ? this.names[0] : this.file;
       hand.doing = isOwn ? `Driving in ${scenario}` : `Driving ${file} in ${scenario}`;
       this.say(`${hand.doing} …`);
-      const [ended, recordings] = await this.trial(hand, scenario, this.text, { file, tell: true, ...seed });
+      const { text } = this;
+      const [ended, recordings] = await this.trial(hand, scenario, text, { file, tell: true, ...seed });
+      if (this.judged !== text) Object.values(this.rows).forEach(({ fill }) => fill(null)); // of another text
+      this.speakOf(text);
       this.score.replaceChildren(el('pre', { class: 'ws-printed', tabindex: 0, 'aria-label': 'The drive' }, ended.printed));
       this.show('replay');
       return this.showDrive(ended, scenario, recordings, this.plan.title);

@@ -208,9 +208,11 @@ export class Workspace {
   }
 
   showFile(name) {
+    const at = this.code.contains(document.activeElement); // and would be on nothing
     this.file = name;
     this.code.querySelectorAll('.ws-text').forEach((part) => { part.hidden = part.dataset.file !== name; });
     this.fileTabs.forEach((tab) => tab.setAttribute('aria-pressed', String(tab.textContent === name)));
+    if (at) this.editor.focus();
   }
 
   show(name) {
