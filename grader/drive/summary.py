@@ -102,6 +102,8 @@ def event_lines(recording: Recording) -> list[str]:
         f"{_ending(recording)}",
         *ended_of(recording),
     ]
+    if given := recording.scenario.node.parameters:
+        lines.append(f"started with {', '.join(f'{name}:={given[name]}' for name in given)}")
     lines += [f"WARNING: in real time, because {live.reason}"] if live and live.reason else []
     lines += [f"WARNING: the machine was too busy: {live.stall}"] if live and live.stall else []
     if len(truth.t):
