@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 ADVICE = "grader.advice.advisor:Advisor"
 HOSTED = (  # what hosts of nodes need: of the course, whose files they can't read; sensors' types
     "grader.colcon.packages",
+    "grader.hosted.program",
     "grader.hosted.supplied.classifiers",
     "grader.hosted.supplied.kept",
     "grader.hosted.supplied.probes",

@@ -2,13 +2,12 @@
 
 import threading
 
-import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from grader.hosted.fields import MAX_TEXT
+from grader.hosted.program import spin
 from grader.hosted.questions import Question, ask
 
 
@@ -34,17 +33,5 @@ class DetectionAsker(Node):  # type: ignore[misc]
         ask(Question("answer", "/detect", turn, int(response.success), said))
 
 
-def main(args: list[str] | None = None) -> None:
-    """Ask until the trial ends."""
-    try:
-        rclpy.init(args=args)
-        node = DetectionAsker()
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
-
-
 if __name__ == "__main__":
-    main()
+    spin(DetectionAsker)

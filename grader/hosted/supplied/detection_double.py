@@ -5,13 +5,12 @@ It carries each request to the judge, who has the plan (`grader/models/partners.
 
 import threading
 
-import rclpy
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
+from grader.hosted.program import spin
 from grader.hosted.questions import Question, ask
 
 
@@ -40,17 +39,5 @@ class DetectionDouble(Node):  # type: ignore[misc]
         self.executor.wake()
 
 
-def main(args: list[str] | None = None) -> None:
-    """Serve until the trial ends."""
-    try:
-        rclpy.init(args=args)
-        node = DetectionDouble()
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
-
-
 if __name__ == "__main__":
-    main()
+    spin(DetectionDouble)

@@ -11,16 +11,15 @@ import sys
 import threading
 from typing import Any
 
-import rclpy
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterType
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import Parameter, get_parameter_value
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
 from std_msgs.msg import String
 
+from grader.hosted.program import spin
 from grader.hosted.questions import wait_until
 
 
@@ -87,16 +86,5 @@ def _described(descriptor: Any) -> dict[str, Any]:
     return about | {"description": descriptor.description, "ignored": bool(other)}
 
 
-def main() -> None:
-    """Set until the trial ends."""
-    try:
-        rclpy.init()
-        rclpy.spin(ParameterSetter(sys.argv[1], sys.argv[2:]))
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
-
-
 if __name__ == "__main__":
-    main()
+    spin(lambda: ParameterSetter(sys.argv[1], sys.argv[2:]))

@@ -2,12 +2,11 @@
 
 import threading
 
-import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
+from grader.hosted.program import spin
 from grader.hosted.questions import wait_until
 
 
@@ -34,16 +33,5 @@ class Starter(Node):  # type: ignore[misc]
         self.get_logger().info(f"start: {word}, {response.message}".rstrip(", "))
 
 
-def main() -> None:
-    """Press until the trial ends."""
-    try:
-        rclpy.init()
-        rclpy.spin(Starter())
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
-
-
 if __name__ == "__main__":
-    main()
+    spin(Starter)
