@@ -177,34 +177,18 @@ class Buffer(BufferInterface):
         await self.wait_for_transform_async(target_frame, source_frame, time)
         return self.lookup_transform_core(target_frame, source_frame, time)
 
-    async def lookup_transform_full_async(
-        self,
-        target_frame: str,
-        target_time: Any,
-        source_frame: str,
-        source_time: Any,
-        fixed_frame: str,
-    ) -> Any:
+    async def lookup_transform_full_async(self, *ends: Any, **named: Any) -> Any:
         """Wait for a transform between two times in a coroutine, and return it."""
-        ends = target_frame, target_time, source_frame, source_time, fixed_frame
-        await self.wait_for_transform_full_async(*ends)
-        return self.lookup_transform_full_core(*ends)
+        await self.wait_for_transform_full_async(*ends, **named)
+        return self.lookup_transform_full_core(*ends, **named)
 
     def wait_for_transform_async(self, target_frame: str, source_frame: str, time: Any) -> Any:
         """Return a future that is done once there is the transform."""
         return self._future(lambda: self.can_transform_core(target_frame, source_frame, time))
 
-    def wait_for_transform_full_async(
-        self,
-        target_frame: str,
-        target_time: Any,
-        source_frame: str,
-        source_time: Any,
-        fixed_frame: str,
-    ) -> Any:
+    def wait_for_transform_full_async(self, *ends: Any, **named: Any) -> Any:
         """Return a future that is done once there is the transform between two times."""
-        ends = target_frame, target_time, source_frame, source_time, fixed_frame
-        return self._future(lambda: self.can_transform_full_core(*ends))
+        return self._future(lambda: self.can_transform_full_core(*ends, **named))
 
     def lookup_transform_core(self, target_frame: str, source_frame: str, time: Any) -> Any:
         """Return a transform that is there; raises as `lookup_transform`."""
@@ -231,9 +215,9 @@ class Buffer(BufferInterface):
         stamp = _nanoseconds(second.header.stamp)
         return _message(target_frame.lstrip("/"), source_frame.lstrip("/"), stamp, pose)
 
-    def can_transform_full_core(self, *ends: Any) -> tuple[bool, str]:
+    def can_transform_full_core(self, *ends: Any, **named: Any) -> tuple[bool, str]:
         """Return whether there is a transform between two times now, and why not."""
-        return _tried(lambda: self.lookup_transform_full_core(*ends))
+        return _tried(lambda: self.lookup_transform_full_core(*ends, **named))
 
     def get_latest_common_time(self, target_frame: str, source_frame: str) -> Time:
         """Return the newest time at which both frames are known; raises as `lookup_transform`."""
