@@ -375,15 +375,6 @@ def test_a_later_visit_needs_no_server(chromium: Any, site: Path, tmp_path: Path
     context.close()
 
 
-def test_every_key_that_is_typed_arrives_though_the_site_has_shortcuts(
-    open_workspace: Any,
-) -> None:
-    page = open_workspace()
-    type_in(page, "")
-    page.keyboard.type("topic = '/cmd_vel'  # a // b, f s ?", delay=1)
-    assert "'/cmd_vel'  # a // b, f s ?" in typed(page)
-
-
 def test_what_the_server_should_not_have_sent_is_not_kept(open_served: Any) -> None:
     page = open_served(f"exercises/{SLUG}/README.html")
     login = {"status": 200, "content_type": "text/html", "body": "<h1>Log in</h1>"}

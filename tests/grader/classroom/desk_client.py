@@ -14,8 +14,6 @@ from urllib.parse import urlencode, urlsplit
 
 import pytest
 
-ONE_OF = {"input", "select", "textarea", "button"}
-
 
 @contextlib.contextmanager
 def open_desk(out: Path, *names: str) -> Iterator[dict[str, str]]:
@@ -38,19 +36,23 @@ def open_desk(out: Path, *names: str) -> Iterator[dict[str, str]]:
 
 
 class Forms(HTMLParser):
-    """The forms that change something, each with the fields that a browser would send."""
+    """The forms of a page: what is hidden in each, and each field with its values."""
 
     def __init__(self, html: str) -> None:
         super().__init__()
         self.forms: list[list[tuple[str, str]]] = []
+        self.every: list[dict[str, list[str]]] = []
         self.feed(html)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        said = dict(attrs)
+        said = {name: value or "" for name, value in attrs}
         if tag == "form":
             self.forms.append([])
-        if tag == "input" and said.get("type") == "hidden" and said.get("name"):
-            self.forms[-1].append((said["name"] or "", said.get("value") or ""))
+            self.every.append({})
+        elif tag in ("input", "select", "textarea", "button") and self.forms and "name" in said:
+            self.every[-1].setdefault(said["name"], []).append(said.get("value", ""))
+            if said.get("type") == "hidden":
+                self.forms[-1].append((said["name"], said.get("value", "")))
 
 
 class Visitor:

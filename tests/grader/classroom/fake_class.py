@@ -89,6 +89,17 @@ def fair(unit: Unit) -> UnitResult:
     return UnitResult(grading(*MUTANT_FAILS) if unit.student == ".mutant" else grading())
 
 
+def until(student: str) -> Judge:
+    """Return a fair judge who is interrupted when a student's work comes."""
+
+    def judge(unit: Unit) -> UnitResult:
+        if unit.student == student:
+            raise KeyboardInterrupt
+        return fair(unit)
+
+    return judge
+
+
 class Drifting:
     """A judge that is wrong about the reference once, after the class: all are graded again."""
 

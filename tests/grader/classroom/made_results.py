@@ -1,20 +1,14 @@
 """Results of checks and submissions as a test wants them, stored as a class's are."""
 
-import importlib.util
-from pathlib import Path
 from typing import Any
+
+import classes
 
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.scores import book_of, mark_of
 from grader.classroom.row import StoredResult
 from grader.lms.book import Book, Task
 from grader.lms.gradescope import results_json
-
-_CLASSES = Path(__file__).resolve().parents[2] / "browser" / "classes.py"
-_spec = importlib.util.spec_from_file_location("classes", _CLASSES)
-assert _spec and _spec.loader
-classes: Any = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(classes)
 
 OBSTACLES = "obstacle_avoidance"
 

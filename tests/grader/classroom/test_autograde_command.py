@@ -1,6 +1,5 @@
 """`course autograde` as it is typed: what it takes in, its exit code, and one small class."""
 
-import zipfile
 from pathlib import Path
 
 from command_line import course
@@ -39,15 +38,6 @@ def test_a_look_at_what_was_handed_in(tmp_path: Path) -> None:
     assert "not understood" in said
     assert "a file of nobody's" in said
     assert "\x1b" not in said
-
-
-def test_a_look_into_an_archive(tmp_path: Path) -> None:
-    with zipfile.ZipFile(tmp_path / "week.zip", "w") as archive:
-        archive.writestr(f"leecarla_12345_678901_{AGENT}", "# mine\n")
-    code, said = look(tmp_path / "week.zip", "--list")
-    assert code == 0
-    assert "leecarla_12345: obstacle_avoidance\n" in said
-    assert "held" not in said
 
 
 def test_wrong_usage(tmp_path: Path) -> None:

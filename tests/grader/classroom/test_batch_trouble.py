@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from fake_class import FILE, Drifting, Judge, fair, grading
+from fake_class import FILE, Drifting, Judge, fair, grading, until
 from handing_in import put
 from rich.console import Console
 
@@ -35,13 +35,6 @@ class Machine:
 
 
 # --- stalls --------------------------------------------------------------------------------
-
-
-def test_what_stalled_is_judged_again_alone_at_the_end(grade_class: Any) -> None:
-    results, workers, _ = grade_class(Machine(ann=1))
-    assert workers.students == ["ann", "bob", "eve", "ann"]
-    assert [unit.alone for unit in workers.seen] == [False, False, False, True]
-    assert results["ann"].state == GRADED
 
 
 @pytest.mark.parametrize("canary", ["reference", "mutant"])
@@ -167,16 +160,11 @@ def test_a_stall_beside_a_drift_hides_nothing(grade_class: Any) -> None:
 def test_an_interrupted_batch_says_how_far_it_writes(
     grade_class: Any, handed_in: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupted(unit: Unit) -> UnitResult:
-        if unit.student == "eve":
-            raise KeyboardInterrupt
-        return fair(unit)
-
     put(handed_in, *(f"a{number:02}/{FILE}" for number in range(19)))
     out = io.StringIO()
     monkeypatch.setattr("fake_class.Quiet", lambda: Progress(Console(file=out, width=200)))
     with pytest.raises(KeyboardInterrupt):
-        grade_class(interrupted)
+        grade_class(until("eve"))
     told = out.getvalue().partition("interrupted: writing what is graded")[2]
     assert "the pages of 10 of 22 students are written" in told
     assert "the pages of 20 of 22 students are written" in told
@@ -185,18 +173,13 @@ def test_an_interrupted_batch_says_how_far_it_writes(
 def test_a_group_has_its_result_as_soon_as_its_leader_has(
     grade_class: Any, handed_in: Path, tmp_path: Path
 ) -> None:
-    def interrupted(unit: Unit) -> UnitResult:
-        if unit.student == "Gil":
-            raise KeyboardInterrupt
-        return fair(unit)
-
     shutil.rmtree(handed_in)
     groups = ("Al", "Cy", "Zed"), ("Bo", "Ed", "Yul"), ("Gil", "Hu", "Ian")
     told = "".join(METADATA.format(number, *group) for number, group in enumerate(groups))
     names = (f"submission_{number}/{FILE}" for number in range(3))
     put(handed_in, *names, **{"submission_metadata.yml": told})
     with pytest.raises(KeyboardInterrupt):
-        grade_class(interrupted)
+        grade_class(until("Gil"))
     with Store(tmp_path / "out" / "store.sqlite") as store:
         states = {each.student: each.state for each in store.results()}
     assert [[states[name] for name in group] for group in groups] == [

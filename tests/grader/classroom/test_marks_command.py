@@ -10,7 +10,7 @@ from typing import Any
 import click
 import pytest
 from click.testing import CliRunner
-from fake_class import FILE, SLUG, fair, grading
+from fake_class import FILE, SLUG, grading, until
 from handing_in import put
 from marked_class import points
 
@@ -187,13 +187,8 @@ def test_a_folder_after_regrade_is_no_student(tmp_path: Path) -> None:
 
 
 def test_after_ctrl_c_what_is_there_is_complete(grade_class: Any, tmp_path: Path) -> None:
-    def interrupted(unit: Unit) -> UnitResult:
-        if unit.student == "eve":
-            raise KeyboardInterrupt
-        return fair(unit)
-
     with pytest.raises(KeyboardInterrupt):
-        grade_class(interrupted)
+        grade_class(until("eve"))
     out = tmp_path / "out"
     with Store(out / "store.sqlite") as store:
         assert [result.state for result in store.results()] == [GRADED, GRADED, WAITING]

@@ -10,7 +10,6 @@ import contextlib
 import math
 import shutil
 from collections.abc import Iterator, Sequence
-from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, get_args, get_origin, get_type_hints
@@ -18,6 +17,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 import click
 import msgspec
 import pytest
+from desk_client import Forms
 from fake_class import FILE, SLUG
 from handing_in import put
 from marked_class import ANN, judged, points
@@ -226,22 +226,6 @@ def test_each_argument_of_each_command(
 # --- what a person sends from the desk -----------------------------------------------------------
 
 
-class Fields(HTMLParser):
-    """The forms of a page: each field, with what a browser would send."""
-
-    def __init__(self, html: str) -> None:
-        super().__init__()
-        self.forms: list[dict[str, list[str]]] = []
-        self.feed(html)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        said = {name: value or "" for name, value in attrs}
-        if tag == "form":
-            self.forms.append({})
-        elif tag in ("input", "select", "textarea", "button") and self.forms and "name" in said:
-            self.forms[-1].setdefault(said["name"], []).append(said.get("value", ""))
-
-
 def test_each_field_of_each_form(
     class_of: Path, grade_class: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -254,7 +238,7 @@ def test_each_field_of_each_form(
         made = [pages.student_page(class_of, ada, "ann", SLUG)]
         made += [page(class_of, ada)
                  for page in (pages.marks_page, pages.held_page, pages.requests_page)]  # fmt: skip
-        every = [form for page in made for form in Fields(page).forms if "kind" in form]
+        every = [form for page in made for form in Forms(page).every if "kind" in form]
         return {kind: {name: texts[0] for name, texts in form.items()} | {"kind": kind}
                 for form in sorted(every, key=len) for kind in form["kind"]}  # fmt: skip
 

@@ -9,6 +9,7 @@ import pytest
 
 from grader.course.exercises import find_exercise
 from grader.grading.causes.commands import cause_of_commands, cause_of_standing, never_moves
+from grader.grading.plugin import CheckResult
 from grader.recording import Outcome
 from grader.recording.inferences import Inference
 
@@ -39,24 +40,13 @@ class Trial:
         return self.commands
 
 
-@dataclass(frozen=True)
-class Check:
-    """A check that failed."""
-
-    id: str = "clear_zone"
-    message: str = "wrong speed"
-    expected: str = ""
-    task: int = 0
-    actual: str = "0.0"
-    time: float | None = 0.01
-    scenario: str = "trial"
-    kind: str = "core"
-    help: str = ""
-    where: str = ""
-    hint: str = ""
+def failed(id_: str) -> CheckResult:
+    return CheckResult(
+        id_, "", "core", 0, 10, "fail", "wrong speed", actual="0.0", time=0.01, scenario="trial"
+    )
 
 
-FAILED = [Check(), Check("slow_zone")]
+FAILED = [failed("clear_zone"), failed("slow_zone")]
 SPEED = (0.5, 0.0, 0.0, 0.0, 0.0, 0.0)
 ZERO = (0.0,) * 6
 

@@ -1,7 +1,6 @@
 """The most probable cause: found by evidence, silent where there is none, never in the way."""
 
 import re
-from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,6 +13,7 @@ from grader.grading.causes.find import find_cause
 from grader.grading.causes.own_words import slip_in_file
 from grader.grading.causes.rhythm import kept_waiting
 from grader.grading.grading import grade
+from grader.grading.plugin import CheckResult
 from grader.recording import Outcome, Recording
 from grader.trial.trials import SavedTrials
 from sim.scenario_files import load_scenario
@@ -21,22 +21,9 @@ from sim.scenario_files import load_scenario
 EXERCISE = find_exercise("obstacle_avoidance")
 
 
-@dataclass(frozen=True)
-class Check:
-    """A check that failed."""
-
-    id: str
-    message: str = ""
-    expected: str = ""
-    task: int = 0
-    actual: str = ""
-    time: float | None = None
-    scenario: str | None = None
-    hint: str = ""
-    kind: str = "core"
-    outcome: str = "fail"
-    help: str = ""
-    where: str = ""
+def check(id_: str, **more: str) -> CheckResult:
+    """Return a check that failed."""
+    return CheckResult(id_, "", "core", 0, 10, "fail", **more)  # type: ignore[arg-type]
 
 
 NODE = """
@@ -78,7 +65,7 @@ def test_the_beams_that_a_node_reacts_to_are_named(
 ) -> None:
     # decisions may be wrong as well: perception is judged first
     recording = run(run_node, beams, slow="0.25")
-    failed = [Check("slow_zone", scenario="avoid_zones"), Check("only_linear_x")]
+    failed = [check("slow_zone", scenario="avoid_zones"), check("only_linear_x")]
 
     cause = find_cause(EXERCISE, failed, [recording])
 
@@ -96,13 +83,13 @@ def test_a_node_that_sees_right_reads_nothing_about_beams(
     run_node: RunNode, beams: str, slow: str
 ) -> None:
     recording = run(run_node, beams, slow)
-    assert find_cause(EXERCISE, [Check("slow_zone", scenario="avoid_zones")], [recording]) is None
+    assert find_cause(EXERCISE, [check("slow_zone", scenario="avoid_zones")], [recording]) is None
 
 
 def test_an_error_that_is_caught_again_and_again_is_quoted(run_node: RunNode) -> None:
     caught = "self.get_logger().error(repr(NameError('speed is not defined')))"
     recording = run(run_node, "beams[90:271]", publish=f"{PUBLISH}; {caught}")
-    failed = [Check("slow_zone", scenario="avoid_zones"), Check("drives_on", scenario="another")]
+    failed = [check("slow_zone", scenario="avoid_zones"), check("drives_on", scenario="another")]
     cause = find_cause(EXERCISE, failed, [recording])
     assert cause is not None
     times = len(recording.scans())
@@ -127,7 +114,7 @@ def test_an_error_that_may_be_anything_needs_a_rule(
 ) -> None:
     logged = f"self.get_logger().error(repr({error}))"
     recording = run(run_node, "beams[90:271]", slow="0.3", publish=f"{PUBLISH}; {logged}")
-    cause = find_cause(EXERCISE, [Check("slow_zone", scenario="avoid_zones")], [recording])
+    cause = find_cause(EXERCISE, [check("slow_zone", scenario="avoid_zones")], [recording])
     assert ("" if cause is None else cause.text).count("Perhaps") == bool(said)
     assert said in ("" if cause is None else cause.text)
 
@@ -137,7 +124,7 @@ def test_what_a_model_raises_on_purpose_is_no_cause(run_node: RunNode, said: str
     error = TypeError("the model can't say anything about these features")
     caught = f"self.get_logger().error({said.format(error=error)!r})"
     recording = run(run_node, "beams[90:271]", slow="0.3", publish=f"{PUBLISH}; {caught}")
-    assert find_cause(EXERCISE, [Check("slow_zone", scenario="avoid_zones")], [recording]) is None
+    assert find_cause(EXERCISE, [check("slow_zone", scenario="avoid_zones")], [recording]) is None
 
 
 @pytest.mark.parametrize(
@@ -152,7 +139,7 @@ def test_what_a_model_raises_on_purpose_is_no_cause(run_node: RunNode, said: str
     ],
 )
 def test_the_rhythm_of_the_commands_is_named(run_node: RunNode, publish: str, said: str) -> None:
-    failed = [Check("one_command_per_scan", scenario="avoid_zones")]
+    failed = [check("one_command_per_scan", scenario="avoid_zones")]
     cause = find_cause(EXERCISE, failed, [run(run_node, "beams[90:271]", publish=publish)])
     assert cause is not None
     assert said in cause.text
@@ -161,7 +148,7 @@ def test_the_rhythm_of_the_commands_is_named(run_node: RunNode, publish: str, sa
 def test_a_death_is_the_cause_whatever_else_failed(run_node: RunNode) -> None:
     recording = run(run_node, "beams[400:401]")
     where = "line 33 of node.py, in on_scan:  near = min(beams[400:401])"
-    failed = [Check("slow_zone"), Check("blind", scenario="avoid_zones", where=where)]
+    failed = [check("slow_zone"), check("blind", scenario="avoid_zones", where=where)]
 
     cause = find_cause(EXERCISE, failed, [recording])
 
@@ -197,7 +184,7 @@ rclpy.spin(Agent())
 
 def test_a_thread_that_died_is_named_with_its_line(run_node: RunNode) -> None:
     recording = run_node(DIES, load_scenario("avoid_zones"))
-    failed = [Check("clear_zone", scenario="avoid_zones"), Check("drives_on", scenario="another")]
+    failed = [check("clear_zone", scenario="avoid_zones"), check("drives_on", scenario="another")]
     cause = find_cause(EXERCISE, failed, [recording])
     assert cause is not None
     assert cause.explains == ("clear_zone",)
@@ -220,7 +207,7 @@ def test_a_slip_is_a_cause_unless_the_node_died_of_another_line(where: str, said
     lines = [SimpleNamespace(level="stderr", text=f"{text}give one another name")]
     trial: Any = SimpleNamespace(log=lines)
 
-    cause = slip_in_file(EXERCISE, [Check("wiring", where=where)], {"x": trial})
+    cause = slip_in_file(EXERCISE, [check("wiring", where=where)], {"x": trial})
 
     assert (cause is not None and cause.text.startswith("Line 7: self.report")) is said
 
@@ -229,7 +216,7 @@ def test_a_slip_is_a_cause_unless_the_node_died_of_another_line(where: str, said
 def test_a_hang_names_its_loop_once(help_: str) -> None:
     detail = "in the constructor\nagent.py, line 6, in work\n    pass\nloop: line 5, `while True:`"
     trial = SimpleNamespace(name="x", log=(), outcome=Outcome("hung", "hung", 0.0, detail))
-    failed = [Check("wiring", scenario="x", where="line 6", help=help_)]
+    failed = [check("wiring", scenario="x", where="line 6", help=help_)]
 
     cause = find_cause(EXERCISE, failed, [trial])  # type: ignore[list-item]
 
@@ -262,7 +249,7 @@ def test_a_callback_that_keeps_the_others_waiting_is_named(
     )
     recording = run_node(source, load_scenario("avoid_zones"))
     causes = [
-        kept_waiting(EXERCISE, [Check("rate", scenario="avoid_zones", expected=expected)],
+        kept_waiting(EXERCISE, [check("rate", scenario="avoid_zones", expected=expected)],
                      {"avoid_zones": recording})
         for expected in ("one every 50 ms ± 10 ms", "a command every 50 ms, no gap over 75 ms")
     ]  # fmt: skip
