@@ -72,11 +72,22 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
     Raises InputError: there is no such scenario, or its file is wrong.
     """
     path = _find(name_or_path)
-    name = str(name_or_path)
-    cell = name.removeprefix(f"{path.stem}_") if path.stem != name else ""
-    doc = _cell(_parse(read_toml(path), str(path)), cell if _is_name(name_or_path) else "", path)
+    name = str(name_or_path) if _is_name(name_or_path) else path.stem
+    doc = _tables_in(path, name)
     scenario = _scenario(_extended(doc, str(path)) if EXTENDS in doc else doc, str(path))
-    return msgspec.structs.replace(scenario, name=name if _is_name(name_or_path) else path.stem)
+    return msgspec.structs.replace(scenario, name=name)
+
+
+def tables_of(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the tables of a file that is a scenario of the course once more, and all it has then.
+
+    Raises InputError: no scenario is called that.
+    """
+    path = _find(name)
+    doc = _tables_in(path, name)
+    if EXTENDS in doc:
+        return doc, {**_extended(doc, str(path)), "title": doc["title"]}
+    return {**{key: doc[key] for key in _NOT_INHERITED if key in doc}, EXTENDS: name}, doc
 
 
 def scenario_from_toml(text: str, where: str) -> Scenario:
@@ -148,6 +159,12 @@ def _names_in(path: Path) -> list[str]:
     return names_of(path.stem, doc)
 
 
+def _tables_in(path: Path, name: str) -> dict[str, Any]:
+    """Return the tables of the scenario of that name in a file."""
+    cell = name.removeprefix(f"{path.stem}_") if path.stem != name else ""
+    return _cell(_parse(read_toml(path), str(path)), cell, path)
+
+
 def _cell(doc: dict[str, Any], cell: str, path: Path) -> dict[str, Any]:
     """Return the tables of one cell of a file's matrix; of a file without one, its own."""
     if MATRIX not in doc:
@@ -183,8 +200,7 @@ def _base(name: Any, where: str) -> dict[str, Any]:
     path = _named(name) if "/" not in name else None
     if path is None:
         raise InputError(f"{at}: no scenario is called that{nearest(name, scenario_names(), LIST)}")
-    cell = name.removeprefix(f"{path.stem}_") if path.stem != name else ""
-    base = _cell(_parse(read_toml(path), str(path)), cell, path)
+    base = _tables_in(path, name)
     if EXTENDS in base:
         what = "itself" if base[EXTENDS] == name else f"'{base[EXTENDS]}'"
         raise InputError(f"{at}: '{name}' extends {what}; expected a scenario that extends none")

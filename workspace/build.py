@@ -43,13 +43,14 @@ INFLATED = ("pyodide.asm.js", "pyodide.asm.wasm")  # by the worker: plain server
 LIBRARY = "python_stdlib.zip"  # as well: its files are small, and make a smaller archive together
 MOST = 12_000_000  # [bytes] of a first visit
 WEB = (
-    "able.js", "element.js", "exercise.js", "keep.js", "links.js", "machine.js", "offline.js",
-    "page.js", "program.js", "shelf.js", "start.js", "worker.js", "workspace.js", "workspace.css",
+    "able.js", "element.js", "exercise.js", "hand.js", "keep.js", "links.js", "machine.js",
+    "offline.js", "page.js", "program.js", "shelf.js", "start.js", "worker.js", "workspace.js",
+    "workspace.css",
 )  # fmt: skip
 # The rooms of the course that a page needs
 COURSE = re.compile(
     r"sim/(?!live/|launch/|setup|__main__)|rclpy_portable/|exercises/\w+/exercise\.toml$"
-    r"|workspace/(runtime|stacks)"
+    r"|workspace/(knobs|runtime|stacks)"
     r"|grader/(?!authoring|classroom|drive/(search/|mishaps)|lms"
     r"|nbgrader|notebook|testing|models/expert|trial/real_time|course/(skeletons|begin|generated)"
     r"|grading/(attempts|best|handed_in|withheld)|cli/(batch|waiting)"

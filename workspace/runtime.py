@@ -25,6 +25,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 
+from workspace.knobs import Knobs
 from workspace.stacks import Browser, Gate, Stacks
 
 if TYPE_CHECKING:
@@ -69,6 +70,7 @@ class Runtime:
         self._launcher: InProcess
         self._files: frozenset[str] = frozenset()  # the names of the reader's
         self._lines: Lines = []
+        self._knobs = Knobs(lambda: self._launcher.now)
 
     def begin(self) -> None:
         """Import all that a trial, a judge or a replay needs; put virtual time under Python."""
@@ -110,6 +112,7 @@ class Runtime:
             __import__(name)
         typestore()
         self._launcher = InProcess(EPOCH_NS, self._reached, self._stacks, ADVICE, HOSTED)
+        self._knobs.install()  # first: the other counts frames
         self._note_lines()
 
     def _note_lines(self) -> None:
@@ -162,7 +165,9 @@ class Runtime:
             )
         except StartEarlier as early:
             return json.dumps({"lead": early.lead})
-        told = {"printed": _summary(recording, submission)} if wanted.get("tell") else {}
+        told = {}
+        if wanted.get("tell"):
+            told = {"printed": _summary(recording, submission), "hand": self._knobs.of(recording)}
         return json.dumps({**told, **self._kept(recording)})
 
     def _read(self, file: Path, others: list[str]) -> Submission | None:
@@ -181,10 +186,13 @@ class Runtime:
     def drive(self, order: str) -> str:
         """Do what `course drive FILE ARGUMENTS` does; say what it prints, and how the run ended.
 
-        The order names the `file` and the `arguments`, and perhaps a `lead` [ns], as in `trial`.
+        The order names the `file` and the `arguments`, and perhaps a `lead` [ns], as in `trial`;
+        with `deeds` (`grader.drive.by_hand`) the `scenario` is driven in which somebody does them.
+        Its file is kept beside the recording.
         """
         from grader import cli, drive
         from grader.cli.drive import Elsewhere
+        from grader.drive.by_hand import scenario_by_hand
         from grader.trial.virtual_time import Limits
         from rclpy_virtual_time.link.in_process import StartEarlier
 
@@ -202,13 +210,20 @@ class Runtime:
         with _to(printed, printed):
             try:
                 words = _words(wanted["arguments"])
+                if deeds := wanted.get("deeds"):
+                    name = wanted["scenario"]
+                    scenario = self._recordings / f"{name}_by_hand.toml"
+                    scenario.write_text(scenario_by_hand(name, deeds), "utf-8")
+                    words += ["--scenario", str(scenario)]  # of two the last counts
                 cli.run(["drive", file.name, *words], Elsewhere(self._launcher, drive_node))
             except StartEarlier as early:
                 return json.dumps({"lead": early.lead})
             except ValueError as error:
                 print(f"course: {error}")
-        told = {"printed": printed.getvalue()}
-        return json.dumps({**told, **self._kept(made[0])} if made else told)
+        told: dict[str, Any] = {"printed": printed.getvalue()}
+        if made:
+            told |= {"hand": self._knobs.of(made[0]), **self._kept(made[0])}
+        return json.dumps(told)
 
     def judge(self, order: str) -> str:
         """Judge the recordings of `scenarios`: return the JSON object of the grading.

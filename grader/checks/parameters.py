@@ -11,9 +11,10 @@ import msgspec
 
 from grader.checks.commands import published
 from grader.recording import Recording
+from grader.recording.hands import SETTER
 from sim.messages import STRING
 
-SETTER, ANSWERS = "parameter_setter.py", "/course_parameters"
+ANSWERS = "/course_parameters"
 
 
 class Described(msgspec.Struct, frozen=True):

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from grader.course.students import public_seed
 from grader.recording import account_of
+from grader.recording.hands import deeds
 
 if TYPE_CHECKING:
     from grader.recording import Recording, Scan
@@ -62,6 +63,7 @@ def replay_payload(recording: Recording, moments: Sequence[Mapping[str, Any]]) -
         "commands": _commands(recording),
         "scans": _scans(recording.scans()),
         "goals": _goals(recording),
+        "deeds": _deeds(recording),
         "log": _log(recording),
         "compute": _compute(recording),
         "outcome": {
@@ -197,6 +199,11 @@ def _goals(recording: Recording) -> list[JsonDict]:
         {"t": _number(t, 3), "x": _number(x, 3), "y": _number(y, 3)}
         for t, x, y in zip(goals.t, goals.x, goals.y, strict=True)
     ]
+
+
+def _deeds(recording: Recording) -> list[JsonDict]:
+    told = ((deed.at, f"{deed.text}: {deed.said}".removesuffix(": ")) for deed in deeds(recording))
+    return [{"t": _number(at, 3), "text": _shorten(text)} for at, text in told]
 
 
 def _compute(recording: Recording) -> list[str]:

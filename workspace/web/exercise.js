@@ -78,7 +78,8 @@ export class Exercise extends Workspace {
   /** Run a node's text in a scenario; return how it ended, and its recording. */
   trial(hand, scenario, text, more) { return this.run(hand, 'trial', { others: this.plan.files, scenario, ...more }, text); }
 
-  drive() {
+  /** Drive; show it from its start on, or from a moment. */
+  drive(from) {
     if (this.busy || !this.isThere() || this.whyNot) return null;
     if (!this.seed.checkValidity()) {
       this.say('The seed is a whole number from 0 to 1000000.');
@@ -87,6 +88,7 @@ export class Exercise extends Workspace {
     const scenario = this.scenario.value;
     const seed = this.seed.value === '' ? {} : { seed: Number(this.seed.value) };
     this.unmark();
+    this.hand.begin(`${scenario} ${this.seed.value}`);
     return this.work(async () => {
       const hand = await this.machine.ready();
       const isOwn = !this.names[1] || scenario in this.plan.scenarios; // and names its programs
@@ -94,14 +96,18 @@ export class Exercise extends Workspace {
       hand.doing = isOwn ? `Driving in ${scenario}` : `Driving ${file} in ${scenario}`;
       this.say(`${hand.doing} …`);
       const { text } = this;
-      const [ended, recordings] = await this.trial(hand, scenario, text, { file, tell: true, ...seed });
+      const [ended, recordings] = await this.trial(hand, scenario, text, { file, tell: true, ...seed, ...this.hand.order });
       if (this.judged !== text) Object.values(this.rows).forEach(({ fill }) => fill(null)); // of another text
       this.speakOf(text);
       this.score.replaceChildren(el('pre', { class: 'ws-printed', tabindex: 0, 'aria-label': 'The drive' }, ended.printed));
       this.show('replay');
-      return this.showDrive(ended, scenario, recordings, this.plan.title);
+      return this.showDrive(ended, ended.scenario, recordings, this.plan.title, from);
     });
   }
+
+  get seedOption() { return this.seed.value === '' ? '' : ` --seed ${this.seed.value}`; }
+
+  commandOf(file) { return `course drive ${this.file} --scenario ${file}${this.seedOption}`; }
 
   check() {
     if (this.busy || !this.isThere() || this.whyNot) return null;
@@ -266,6 +272,7 @@ export class Exercise extends Workspace {
     text.querySelectorAll('.workspace-block, .headerlink').forEach((part) => part.remove());
     text.querySelectorAll('[id]').forEach((part) => part.removeAttribute('id'));
     text.querySelectorAll('a').forEach((link) => { link.target = '_blank'; });
+    this.hand.element.hidden = true;
     this.replay.replaceChildren(el('div', { class: 'ws-task', tabindex: 0, 'aria-label': 'The task' }, text));
     this.show('replay');
   }

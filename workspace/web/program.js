@@ -51,16 +51,20 @@ export class Program extends Workspace {
     this.line.value = this.given;
   }
 
-  drive() {
+  commandOf(file) { return `course drive ${this.file} ${this.line.value.replace(/--scenario[ =]\S+/, `--scenario ${file}`)}`; }
+
+  /** Drive; show it from its start on, or from a moment. */
+  drive(from) {
     if (this.busy || this.whyNot || !this.isThere()) return null;
     this.unmark();
     stand(this.hash);
+    this.hand.begin(this.line.value);
     return this.work(async () => {
       const hand = await this.machine.ready();
       hand.doing = `Driving ${this.file}`;
       this.say(`${hand.doing} …`);
       const [text, changed] = [this.text, this.isChanged];
-      const [ended, recordings] = await this.run(hand, 'drive', { arguments: this.line.value }, text);
+      const [ended, recordings] = await this.run(hand, 'drive', { arguments: this.line.value, ...this.hand.order }, text);
       this.speakOf(text);
       this.tell(ended.printed, changed);
       if (!ended.scenario) {
@@ -68,7 +72,7 @@ export class Program extends Workspace {
         return ended.printed.startsWith('Usage') ? 'Nothing was driven.' : `Nothing was driven: ${ended.printed}`;
       }
       this.show('replay');
-      return this.showDrive(ended, ended.scenario, recordings, this.file);
+      return this.showDrive(ended, ended.scenario, recordings, this.file, from);
     });
   }
 

@@ -3,6 +3,7 @@
 
 import { hasStacks, missing } from './able.js';
 import { el } from './element.js';
+import { Hand } from './hand.js';
 import { keepForLater } from './keep.js';
 import { packed, stand, unpacked } from './links.js';
 import { PATIENCE, Stopped } from './machine.js';
@@ -26,8 +27,8 @@ const BROKEN = 'The link to this page holds no code that can be read: it was cut
 /** Return a button. */
 export const button = (text, act, more = {}) => el('button', { type: 'button', onclick: act, ...more }, text);
 
-/** Tell a replay whether the site is light or dark, and whether to play. */
-function tell(frame, play = false) { frame.contentWindow?.postMessage({ theme: document.body.dataset.theme, play }, '*'); }
+/** Tell a replay whether the site is light or dark, and more: whether to play, or from when on [s], and whether to tell of itself. */
+function tell(frame, more = {}) { frame.contentWindow?.postMessage({ theme: document.body.dataset.theme, ...more }, '*'); }
 
 /** Say in a sentence why this page can't run a node; '' if it can. */
 function whyNot(what, threads) {
@@ -77,6 +78,13 @@ export class Workspace {
     this.fileTabs = this.names.map((name) => button(name, () => this.showFile(name), { 'aria-pressed': 'false' }));
     if (this.names.length > 1) this.code.append(el('nav', { class: 'ws-files', 'aria-label': 'Files' }, this.fileTabs));
     this.replay = el('div', { class: 'ws-replay', 'data-pane': 'replay' }, el('p', { class: 'ws-empty' }, empty));
+    this.hand = new Hand({
+      act: (from) => this.drive(from),
+      seek: (moment) => tell(this.replay.querySelector('iframe'), { from: moment, stays: true }),
+      save: (name, content) => this.save(name, content, 'application/toml'),
+      say: (text) => this.say(text),
+      commandOf: (file) => this.commandOf(file),
+    });
     this.log = el('pre', { class: 'ws-log', hidden: true, tabindex: 0, 'aria-label': 'What Python said' });
     this.stale = el('p', { class: 'ws-stale', hidden: true }, 'Said before your last change:');
     this.tabs = ['code', 'replay', 'result'].map((name, i) => button(names[i],
@@ -96,7 +104,7 @@ export class Workspace {
         button('Close', () => this.dialog.close(), { class: 'ws-close' })),
       el('div', { class: 'ws-news' }, this.status, this.stopButton, this.question, this.warning),
       el('nav', { class: 'ws-tabs', 'aria-label': 'Show' }, this.tabs),
-      el('div', { class: 'ws-panes' }, this.code, this.replay,
+      el('div', { class: 'ws-panes' }, this.code, this.replay, this.hand.element,
         el('div', { class: 'ws-result', 'data-pane': 'result', role: 'region', tabindex: 0, 'aria-label': names[2] }, this.stale, result, this.log)));
     addEventListener('keydown', (event) => { // before the editor
       if (!this.press(event)) return;
@@ -104,7 +112,9 @@ export class Workspace {
       event.stopPropagation();
     }, true);
     addEventListener('message', ({ data, source }) => {
-      if (source === this.replay.querySelector('iframe')?.contentWindow) this.press(data?.pressed ?? {}); // in the replay
+      if (source !== this.replay.querySelector('iframe')?.contentWindow) return;
+      this.press(data?.pressed ?? {}); // in the replay
+      this.hand.hear(data ?? {});
     });
     document.body.append(this.dialog);
     this.mains = [...this.dialog.querySelectorAll('.ws-main')];
@@ -298,19 +308,23 @@ export class Workspace {
   }
 
   /** Show the replay of a drive; return in a sentence how it ended. */
-  async showDrive(ended, scenario, recordings, title) {
-    await this.play([scenario], [], recordings, title, ended.kind === 'completed');
-    if (ended.kind === 'completed') return [`Driven to the end of ${scenario}.`, ...ended.ended.map((said) => `${said}.`)].join(' ');
+  async showDrive(ended, scenario, recordings, title, from) {
+    await this.play([scenario], [], recordings, title, { play: ended.kind === 'completed', from, hands: true });
+    this.hand.show(ended, recordings);
+    const answer = from === undefined ? '' : this.hand.answer; // of a deed, and not said again
+    if (ended.kind === 'completed') return [`${answer}Driven to the end of ${scenario}.`, ...ended.ended.map((said) => `${said}.`)].join(' ');
     this.mark({ where: ended.where, message: ended.text });
-    return `${scenario} ended early: ${ended.text}`;
+    return `${answer}${scenario} ended early: ${ended.text}`;
   }
 
-  async play(scenarios, checks, recordings, title, atOnce = false) {
+  /** Show replays; `how` is what their frame is told. */
+  async play(scenarios, checks, recordings, title, how = {}) {
     const [html] = await this.machine.call('replay', { scenarios, checks, title }, { recordings });
     const frame = el('iframe', { title: 'Replay', sandbox: 'allow-scripts' });
-    frame.addEventListener('load', () => tell(frame, atOnce));
+    frame.addEventListener('load', () => tell(frame, how));
     frame.srcdoc = html;
     this.replay.replaceChildren(frame);
+    this.hand.element.hidden = true;
   }
 
   /** Mark the line that was being run when a check failed, or the one that led to the last message before. */
@@ -372,9 +386,11 @@ export class Workspace {
     }
   }
 
-  download() {
-    const url = URL.createObjectURL(new Blob([this.editor.text], { type: 'text/x-python' }));
-    el('a', { href: url, download: this.file }).click();
+  download() { this.save(this.file, this.editor.text, 'text/x-python'); }
+
+  save(name, content, type) {
+    const url = URL.createObjectURL(new Blob([content], { type }));
+    el('a', { href: url, download: name }).click();
     setTimeout(() => URL.revokeObjectURL(url), 1000);
   }
 }

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from grader.checks.parameters import SETTER, orders
+from grader.checks.parameters import orders
 from grader.checks.verdict import Evidence, Trials
 from grader.exercises.live_parameters.contract import RANGES
 from grader.recording import Recording
+from grader.recording.hands import SETTER
 
 LETS_ALL_IN = ("declared", "refused", "all_or_none", "limits_hold")
 LETS_NONE_IN = ("takes_effect", "refused", "pairs", "all_or_none")

@@ -11,7 +11,7 @@ const place = (pose) => `(${fixed(pose.x)}, ${fixed(pose.y)})`;
 function accountOf(replay) {
   const events = [
     ...startEvents(replay), ...commandEvents(replay), ...stopEvents(replay), ...closestEvent(replay),
-    ...contactEvents(replay), ...goalEvents(replay), ...momentEvents(replay),
+    ...contactEvents(replay), ...goalEvents(replay), ...deedEvents(replay), ...momentEvents(replay),
   ].sort((a, b) => a.t - b.t);
   return [...events, endEvent(replay), ...computeEvents(replay)];
 }
@@ -95,6 +95,11 @@ function goalEvents({ goals, truth, duration }) {
     return [given, { t: truth.t[reached], kind: 'goal',
       text: `The robot is within ${fixed(GOAL_TOLERANCE, 1)} m of the goal ${place(goal)}.` }];
   });
+}
+
+/** What somebody did to the node, and what it answered. */
+function deedEvents({ deeds }) {
+  return deeds.map(({ t, text: done }) => ({ t, kind: 'deed', text: `By hand: ${done}.` }));
 }
 
 function momentEvents({ moments }) {

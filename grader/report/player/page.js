@@ -46,14 +46,18 @@ function foldIfNarrow(page) {
   }).observe(page);
 }
 
-/** Follow what the page around the frame says: light or dark, whether to play, whether the frame is to fit. */
+/** Follow what the page around the frame says: light or dark, whether to play, from when on, whether the frame is to fit,
+    and whether it wants to hear where the replay stands and where the map was clicked. */
 function followFrame({ data }) {
-  const { theme, fit, play } = data || {};
+  const { theme, fit, play, from, stays, hands } = data || {};
   const root = document.documentElement;
   if (theme === 'light' || theme === 'dark') root.dataset.theme = theme;
   else delete root.dataset.theme;
   document.dispatchEvent(new CustomEvent('themechange'));
-  if (play) playSmall(new Set(['play']));
+  const say = (news) => parent.postMessage({ ...news, duration: window.replayPlayer.duration }, '*');
+  if (hands) window.replayPlayer?.tell((at) => say({ at }), (place) => say({ place }));
+  if (Number.isFinite(from)) goOn(from, stays);
+  else if (play) playSmall(new Set(['play']));
   const page = document.getElementById('page');
   if (!fit || page.classList.contains('is-fitted')) return;
   page.classList.add('is-fitted');
@@ -276,6 +280,14 @@ function playSmall(asked) {
   if (!player || !asked.has('play')) return;
   if (calmMotion()) player.seek(player.time || player.duration / 2);
   else player.playAgain(asked.has('loop'));
+}
+
+/** Play from a moment on, unless it `stays`; those who want no motion see that moment. */
+function goOn(from, stays) {
+  const player = window.replayPlayer;
+  player?.pause();
+  player?.seek(from);
+  if (!stays && !calmMotion()) player?.play();
 }
 
 /** On paper nothing is folded away, and a map is not black. */

@@ -8,6 +8,7 @@ class Player {
     this.replays = toArray(payload && payload.replays).map(toReplay);
     this.runIndex = 0;
     this.moment = null;
+    this.ontime = () => {};
     this.playback = new Playback(() => this.update());
     this.parts = buildPlayer(this.actions(), this.replays.length);
     this.world = new WorldView(this.parts.stage.canvas, {
@@ -169,6 +170,7 @@ class Player {
     if (this.wasPlaying && !playing) this.announce();
     this.wasPlaying = playing;
     this.draw();
+    this.ontime(time);
   }
 
   /** The moment whose annotation shows: the one jumped to or just passed. */
@@ -351,6 +353,7 @@ function mountPlayer(root, payload) {
     jumpTo: (run, moment) => player.jumpTo(run, moment),
     open: (checks, lead = false, told = null) => player.open(openingOf(checks, player.replays, told), lead),
     focus: () => player.focus(),
+    tell: (ontime, onplace) => { [player.ontime, player.world.onplace] = [ontime, onplace]; ontime(playback.time); },
     destroy: () => player.destroy(),
   };
 }

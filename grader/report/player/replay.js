@@ -123,6 +123,7 @@ function toReplay(source) {
     scans: toScans(raw.scans),
     goals: toArray(raw.goals).map((goal) => (
       { t: toNumber(goal.t), x: toNumber(goal.x), y: toNumber(goal.y) })).filter(inTime),
+    deeds: toArray(raw.deeds).map((deed) => ({ t: toNumber(deed.t), text: text(deed.text) })).filter(inTime),
     log: toArray(raw.log).map((line) => (
       { t: toNumber(line.t), level: text(line.level).toLowerCase(), text: text(line.text) })),
     compute: toArray(raw.compute).map(text),

@@ -43,7 +43,7 @@ class Timeline {
     const width = this.marks.clientWidth || 600;
     if (width === this.width) return;
     this.width = width;
-    replaceChildren(this.marks, this.goalMarks(), this.momentMarks());
+    replaceChildren(this.marks, this.plainMarks(), this.momentMarks());
   }
 
   percent(t) {
@@ -57,10 +57,13 @@ class Timeline {
     return band;
   }
 
-  goalMarks() {
-    return this.replay.goals.map((goal) => {
-      const mark = el('span', { class: 'mark mark-goal', title: `Goal at ${seconds(goal.t)}` });
-      mark.style.left = this.percent(goal.t);
+  plainMarks() {
+    const { goals, deeds } = this.replay;
+    const all = [...goals.map(({ t }) => ({ t, kind: 'goal', what: 'Goal' })),
+      ...deeds.map(({ t, text: what }) => ({ t, kind: 'deed', what }))];
+    return all.map(({ t, kind, what }) => {
+      const mark = el('span', { class: `mark mark-${kind}`, title: `${what} at ${seconds(t)}` });
+      mark.style.left = this.percent(t);
       return mark;
     });
   }

@@ -1,6 +1,7 @@
 // The map: a canvas with a camera that the pointer and the keys can move.
 
 const ZOOM_STEP = 1.3;
+const CLICK = 4; // [pixels] a pointer that moves more than that is dragging the map
 
 class WorldView {
   constructor(canvas, { onhint, onfree }) {
@@ -12,6 +13,7 @@ class WorldView {
     this.showLidar = true;
     this.onhint = onhint;
     this.onfree = onfree;
+    this.onplace = () => {}; // told where somebody clicked [m]
     this.pointers = new Map();
     this.listen();
   }
@@ -86,6 +88,9 @@ class WorldView {
     canvas.addEventListener('wheel', (event) => this.onWheel(event), { passive: false });
     canvas.addEventListener('pointerdown', (event) => this.onDown(event));
     canvas.addEventListener('pointermove', (event) => this.onMove(event));
+    canvas.addEventListener('click', (event) => {
+      if (!this.moved) this.onplace(this.camera.toWorld(event.offsetX, event.offsetY));
+    });
     for (const name of ['pointerup', 'pointercancel']) {
       canvas.addEventListener(name, (event) => this.pointers.delete(event.pointerId));
     }
@@ -105,12 +110,14 @@ class WorldView {
   onDown(event) {
     this.canvas.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, [event.offsetX, event.offsetY]);
+    [this.began, this.moved] = [[event.offsetX, event.offsetY], false];
   }
 
   onMove(event) {
     const before = this.pointers.get(event.pointerId);
     if (!before) return;
     const now = [event.offsetX, event.offsetY];
+    this.moved ||= Math.hypot(now[0] - this.began[0], now[1] - this.began[1]) > CLICK;
     const other = [...this.pointers].find(([id]) => id !== event.pointerId);
     if (other) this.pinch(before, now, other[1]);
     else this.pan(now[0] - before[0], now[1] - before[1]);

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from grader.recording import Outcome, Recording
 from grader.report.page import page_html, page_payload
@@ -23,6 +24,7 @@ from grader.report.replay import (
 )
 from rclpy_virtual_time.link.log import LogLine
 from sim.messages import pose_stamped, twist
+from sim.scenario import ProgramSpec, ScriptEvent
 from sim.scenario_files import scenario_from_toml
 from sim.simulation import Simulation
 
@@ -136,6 +138,19 @@ def test_goals_may_be_no_numbers_and_a_node_may_say_nothing(recording: Recording
     assert payload["scans"] is None
     assert payload["commands"] == {"t": [], "v": [], "w": []}
     page_html(page_payload(None, [silent], "Silent"))
+
+
+def test_deeds_are_told_with_the_answer_that_came_after_them(recording: Recording) -> None:
+    setter = ProgramSpec("parameter_setter.py", True, ("agent", "0.5 near?", "1.0 v:=1.0, w:=2.0"))
+    script = (ScriptEvent(at=2.0, e_stop=True), ScriptEvent(at=9.0, e_stop=False))
+    scenario = structs.replace(recording.scenario, program=(setter,), script=script)
+    said = [(0.5, "v:=1.0: accepted"), (1.0, "w:=2.0: accepted"), (1.0, "v:=1.0: refused no")]
+    log = tuple(LogLine(time=round(t * SECOND), level="info", text=text) for t, text in said)
+    told = replay_payload(replace(recording, scenario=scenario, log=log), [])["deeds"]
+    assert told == [
+        {"t": 1.0, "text": "v:=1.0: refused: no"}, {"t": 1.0, "text": "w:=2.0: accepted"},
+        {"t": 2.0, "text": "e-stop pressed"},
+    ]  # fmt: skip
 
 
 def test_a_log_without_end_is_cut(recording: Recording) -> None:

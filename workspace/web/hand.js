@@ -1,0 +1,196 @@
+// What a person does in a drive: turns the node's own knobs, presses the e-stop, sends a goal, covers the lidar, puts a box down.
+// The same node with the same deeds makes the same run. So a deed at a moment of the replay has the drive made again with it,
+// and the replay goes on from there.
+
+import { hasStacks } from './able.js';
+import { el } from './element.js';
+
+const FIRST = 0.5; // [s] by then programs have found each other
+const COVERED = 1; // [s]
+const GOAL = '/goal_pose';
+const NEEDS = { e_stop: '/e_stop', covers: '/scan', box: '/scan', goal: GOAL }; // what a node has to hear
+const NO_STACKS = 'To turn its knobs, a page needs JSPI (WebAssembly.Suspending), which this browser hasn’t.';
+
+const place = ([x, y]) => `(${x.toFixed(2)}, ${y.toFixed(2)})`;
+const bare = (node) => node.replace(/^\//, '');
+
+/** What was done, in words; those of `done` that Python tells are the same. */
+function wordsOf({ sets, e_stop: stop, goal, covers, box }) {
+  if (sets) return sets;
+  if (stop !== undefined) return `e-stop ${stop ? 'pressed' : 'released'}`;
+  if (goal) return `goal ${place(goal)}`;
+  return box ? `a box at ${place(box)}, from the start` : `lidar covered for ${covers} s`;
+}
+
+/** The step of a slider over a span: a power of ten, and at least fifty of them. */
+const fine = (span) => 10 ** Math.floor(Math.log10(span / 50));
+
+export class Hand {
+  /** `act` drives again, and shows it from a moment on; it returns false if something is under way. `seek` moves the replay. */
+  constructor({ act, seek, save, say, commandOf }) {
+    Object.assign(this, { act, save, say, commandOf });
+    this.deeds = [];
+    this.at = 0;
+    this.moment = el('span', {});
+    this.slider = el('input', { type: 'range', min: 0, step: 0.1, 'aria-label': 'Moment of the replay [s]', oninput: () => seek(this.slider.valueAsNumber) });
+    this.body = el('div', { class: 'ws-hand-body' });
+    this.element = el('details', { class: 'ws-hand', 'data-pane': 'replay', hidden: true },
+      el('summary', {}, 'By hand', this.moment), el('div', { class: 'ws-moment' }, this.slider), this.body);
+  }
+
+  /** What was done belongs to a drive, called by its words: in another, nothing has been done yet. */
+  begin(drive) {
+    if (drive !== this.drive) this.deeds = [];
+    this.drive = drive;
+  }
+
+  /** What a drive's order says of it. */
+  get order() { return this.deeds.length ? { deeds: this.deeds, scenario: this.scenario } : {}; }
+
+  /** Show what a drive had to turn, and what was done. */
+  show({ scenario, hand }, recordings) {
+    if (!this.deeds.length) this.scenario = scenario;
+    this.saved = [`${scenario}.toml`, recordings[`${scenario}.toml`]];
+    this.done = hand.done;
+    const shown = JSON.stringify([hand.hears, hand.knobs.map(({ values, ...knob }) => knob)]);
+    if (shown !== this.shown) this.build(hand);
+    this.shown = shown;
+    hand.knobs.forEach(({ values }, i) => { this.knobs[i].values = values; });
+    this.list();
+    this.element.hidden = false;
+    this.update();
+  }
+
+  /** Where the replay stands, or where somebody clicked on its map. */
+  hear({ at, duration, place: there }) {
+    if (Number.isFinite(duration)) this.slider.max = duration;
+    if (Number.isFinite(at)) this.update(at);
+    if (Array.isArray(there) && there.length === 2 && there.every(Number.isFinite)) {
+      this.there.forEach((field, i) => { field.value = there[i].toFixed(2); });
+    }
+  }
+
+  /** The answer to what was done last. */
+  get answer() {
+    const said = this.last && this.saidTo(this.last);
+    return this.last ? `${this.last.at.toFixed(2)} s: ${wordsOf(this.last)}${said ? `: ${said}` : ''}. ` : '';
+  }
+
+  // --- its parts
+
+  build({ knobs, hears }) {
+    const nodes = new Set(knobs.map(({ node }) => node));
+    this.knobs = knobs.map((knob, i) => this.knob(knob, i, nodes.size > 1));
+    const can = Object.fromEntries(Object.entries(NEEDS).map(([deed, topic]) => [deed, hears.includes(topic)]));
+    this.there = ['x', 'y'].map((axis) => el('input', { type: 'number', step: 'any', value: 0, 'aria-label': `${axis} [m]` }));
+    this.stop = this.button('', () => this.do({ e_stop: !this.isStopped() }), { hidden: !can.e_stop });
+    this.items = el('ol', { class: 'ws-done', 'aria-label': 'Done by hand' });
+    this.saveButton = this.button('Save as a scenario', () => this.keep());
+    this.command = el('p', { class: 'ws-note' });
+    this.body.replaceChildren(
+      knobs.length ? '' : el('p', { class: 'ws-note' }, 'The node has declared no parameters.'),
+      knobs.length && !hasStacks ? el('p', { class: 'ws-note' }, NO_STACKS) : '',
+      ...(hasStacks ? this.knobs.map(({ row }) => row) : []),
+      el('div', { class: 'ws-tools' }, this.stop,
+        can.covers ? this.button(`Cover the lidar for ${COVERED} s`, () => this.do({ covers: COVERED })) : ''),
+      can.box || can.goal ? el('div', { class: 'ws-tools ws-place' }, 'x, y [m], or click the map:', this.there,
+        can.goal ? this.button('Send this goal', () => this.doThere('goal')) : '',
+        can.box ? this.button('Put a box there', () => this.doThere('box')) : '') : '',
+      this.items, el('div', { class: 'ws-tools' }, this.saveButton), this.command);
+  }
+
+  button(text, act, more = {}) { return el('button', { type: 'button', onclick: act, ...more }, text); }
+
+  /** A parameter: a switch, or a field that takes anything, with a slider where it has a range. */
+  knob(knob, i, named) {
+    const { node, name, kind, about, limits, fixed } = knob;
+    const id = `ws-knob-${i}`;
+    const now = el('span', {});
+    const [least, most, step] = limits.map(Number);
+    const field = el('input', { id, type: kind === 'bool' ? 'checkbox' : 'text', spellcheck: 'false', autocapitalize: 'off', autocomplete: 'off',
+      onkeydown: (event) => { if (event.key === 'Enter') set(); } });
+    const slider = most > least ? el('input', { type: 'range', min: least, max: most, step: step || (kind === 'integer' ? 1 : fine(most - least)),
+      'aria-label': `${name}, from ${least} to ${most}`,
+      oninput: () => { field.value = kind === 'double' ? slider.value.replace(/^-?\d+$/, '$&.0') : slider.value; } }) : null;
+    const set = () => this.set(knob, kind === 'bool' ? String(field.checked) : field.value.trim());
+    const told = [about, limits.length ? `${limits[0]} to ${limits[1]}` : kind, fixed ? 'read only' : ''].filter(Boolean).join(', ');
+    const row = el('div', { class: 'ws-knob' },
+      el('label', { for: id }, named ? el('small', {}, `${bare(node)} `) : '', name), slider, field,
+      this.button('Set', set, { 'aria-label': `Set ${name}` }), el('small', {}, `${told}; now `, now));
+    return { knob, row, field, slider, now, values: [] };
+  }
+
+  /** Show what holds at a moment; what somebody is at in a field stays. */
+  update(at = this.at) {
+    this.at = at;
+    this.moment.textContent = `, at ${at.toFixed(2)} s`;
+    if (!this.slider.matches(':active')) this.slider.value = at;
+    for (const each of this.knobs ?? []) {
+      const { field, slider, now, values } = each;
+      const value = values.findLast(([t]) => t <= at + 1e-6)?.[1] ?? '';
+      if (now.textContent !== value) {
+        if (!field.matches(':focus') && !slider?.matches(':focus')) {
+          [field.value, field.checked] = [value, value === 'true'];
+          if (slider) slider.value = value;
+        }
+        now.textContent = value;
+      }
+    }
+    if (this.stop) this.stop.textContent = this.isStopped() ? 'Release the e-stop' : 'Press the e-stop';
+  }
+
+  isStopped() { return this.done.findLast(({ at, text }) => at <= this.at && text.startsWith('e-stop'))?.text === 'e-stop pressed'; }
+
+  /** What was done, by whom, and what came of it. */
+  list() {
+    const own = this.deeds.map((deed) => ({ at: deed.at, deed, text: wordsOf(deed), said: this.saidTo(deed) }));
+    const others = this.done.filter((each) => !this.deeds.some((deed) => this.isOf(each, deed)));
+    const all = [...own, ...others].sort((a, b) => a.at - b.at);
+    this.items.replaceChildren(...all.map(({ at, deed, text, said }) => el('li', { 'data-said': (said || '').split(/\W/)[0] },
+      `${at.toFixed(2)} s `, el('code', {}, text), said ? `: ${said} ` : ' ',
+      deed ? this.button('Undo', () => this.undo(deed), { 'aria-label': `Undo ${text} at ${at.toFixed(2)} s` }) : '(the scenario)')));
+    this.items.hidden = !all.length;
+    this.saveButton.hidden = !own.length;
+    this.command.replaceChildren();
+  }
+
+  isOf({ at, text, node }, deed) { return at === deed.at && text === wordsOf(deed) && bare(node) === bare(deed.node || ''); }
+
+  saidTo(deed) {
+    const told = this.done.find((each) => this.isOf(each, deed));
+    return told && (told.said || (deed.sets ? 'no answer' : ''));
+  }
+
+  // --- what is done
+
+  set({ node, name }, value) {
+    if (/\s|^$/.test(value)) this.say(`${name}: expected a value without spaces.`);
+    else this.do({ node, sets: `${name}:=${value}` });
+  }
+
+  doThere(what) {
+    const there = this.there.map((field) => field.valueAsNumber);
+    if (there.every(Number.isFinite)) this.do({ [what]: there });
+    else this.say('x and y: expected two numbers, in metres.');
+  }
+
+  do(deed) {
+    const now = Number(Math.max(FIRST, this.at).toFixed(2));
+    const made = { at: deed.box ? 0 : now, ...deed };
+    this.redo([...this.deeds, made], made);
+  }
+
+  undo(deed) { this.redo(this.deeds.filter((each) => each !== deed), null, deed.at); }
+
+  redo(deeds, last, from = last.at) {
+    const before = this.deeds;
+    [this.deeds, this.last] = [deeds, last];
+    if (!this.act(from)) [this.deeds, this.last] = [before, null];
+  }
+
+  /** Save the file that a drive was made with. */
+  keep() {
+    this.save(...this.saved);
+    this.command.replaceChildren('Drive it again: ', el('code', {}, this.commandOf(this.saved[0])));
+  }
+}
