@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections import defaultdict
 from collections.abc import Callable
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from grader.recording import Recording
 
-EVENTS, EVENT = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
+EVENTS = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
 ROS_OWN = ("use_sim_time", "qos_overrides.", "start_type_description_service")
 
 
@@ -35,7 +36,7 @@ class Knobs:
             begin(service, node)
 
         def sent(publisher: Any, data: bytes) -> None:
-            if publisher.get_topic_name() == EVENTS:
+            if (publisher.topic, publisher.type_name) == EVENTS:
                 self._events.append((self._now(), data))
             send(publisher, data)
 
@@ -51,9 +52,10 @@ class Knobs:
 
         values: defaultdict[tuple[str, str], list[tuple[float, str]]] = defaultdict(list)
         for time, data in self._events:
-            event = decode(data, EVENT)
-            for each in (*event.new_parameters, *event.changed_parameters):
-                values[event.node, each.name].append((time, _text(each.value)))
+            with contextlib.suppress(ValueError):  # bytes that a node sent itself
+                event = decode(data, EVENTS[1])
+                for each in (*event.new_parameters, *event.changed_parameters):
+                    values[event.node, each.name].append((time, _text(each.value)))
         knobs = [
             _knob(about) | {"node": node, "values": values[node, name]}
             for node in dict.fromkeys(end.node for end in recording.ends)

@@ -138,17 +138,20 @@ class Runtime:
         """Run a trial and keep its recording under the name of its scenario; say how it ended.
 
         The order names the `file`, the `scenario`, all files of its exercise (`others`),
-        perhaps a `seed` and a `lead` [ns], whether to `interrupt`, and whether to `tell` what
-        `course drive` prints of it. `{"lead": …}` in the answer: the same again in a fresh copy,
-        with this lead and what has been kept.
+        perhaps a `seed` and a `lead` [ns], whether to `interrupt`, and whether to `tell`: to do as
+        `course drive` does, and say what that prints; and what a person does meanwhile, `deeds`
+        (`grader.drive.by_hand`): the file of the scenario with them is kept, too. `{"lead": …}` in
+        the answer: the same again in a fresh copy, with this lead and what has been kept.
         """
+        from grader.drive import scenario_for
         from grader.trial.seeds import mixed_seed
         from grader.trial.virtual_time import Limits, run_trial
         from rclpy_virtual_time.link.in_process import StartEarlier
         from sim.scenario_files import load_scenario
 
         wanted = json.loads(order)
-        scenario = load_scenario(wanted["scenario"])
+        tells = wanted.get("tell", False)
+        scenario = (scenario_for if tells else load_scenario)(self._scenario(wanted))
         self._files = frozenset(wanted["others"])
         submission = self._read(Path(wanted["file"]), wanted["others"])
         if submission is None:
@@ -160,13 +163,14 @@ class Runtime:
                 self._launcher,
                 seed=mixed_seed(scenario.seed, wanted.get("seed")),
                 limits=Limits(total=PATIENCE),
+                stamped=tells,
                 interrupt=wanted.get("interrupt", False),
                 lead=wanted.get("lead", 0),
             )
         except StartEarlier as early:
             return json.dumps({"lead": early.lead})
         told = {}
-        if wanted.get("tell"):
+        if tells:
             told = {"printed": _summary(recording, submission), "hand": self._knobs.of(recording)}
         return json.dumps({**told, **self._kept(recording)})
 
@@ -186,13 +190,11 @@ class Runtime:
     def drive(self, order: str) -> str:
         """Do what `course drive FILE ARGUMENTS` does; say what it prints, and how the run ended.
 
-        The order names the `file` and the `arguments`, and perhaps a `lead` [ns], as in `trial`;
-        with `deeds` (`grader.drive.by_hand`) the `scenario` is driven in which somebody does them.
-        Its file is kept beside the recording.
+        The order names the `file` and the `arguments`, and perhaps a `lead` [ns], and `deeds` with
+        their `scenario`, as in `trial`.
         """
         from grader import cli, drive
         from grader.cli.drive import Elsewhere
-        from grader.drive.by_hand import scenario_by_hand
         from grader.trial.virtual_time import Limits
         from rclpy_virtual_time.link.in_process import StartEarlier
 
@@ -210,11 +212,8 @@ class Runtime:
         with _to(printed, printed):
             try:
                 words = _words(wanted["arguments"])
-                if deeds := wanted.get("deeds"):
-                    name = wanted["scenario"]
-                    scenario = self._recordings / f"{name}_by_hand.toml"
-                    scenario.write_text(scenario_by_hand(name, deeds), "utf-8")
-                    words += ["--scenario", str(scenario)]  # of two the last counts
+                if wanted.get("deeds"):
+                    words += ["--scenario", self._scenario(wanted)]  # of two the last counts
                 cli.run(["drive", file.name, *words], Elsewhere(self._launcher, drive_node))
             except StartEarlier as early:
                 return json.dumps({"lead": early.lead})
@@ -224,6 +223,17 @@ class Runtime:
         if made:
             told |= {"hand": self._knobs.of(made[0]), **self._kept(made[0])}
         return json.dumps(told)
+
+    def _scenario(self, wanted: dict[str, Any]) -> str:
+        """Return the name of an order's scenario, or the file of the one with its deeds."""
+        from grader.drive.by_hand import scenario_by_hand
+
+        name: str = wanted["scenario"]
+        if not wanted.get("deeds"):
+            return name
+        file = self._recordings / f"{name}_by_hand.toml"
+        file.write_text(scenario_by_hand(name, wanted["deeds"]), "utf-8")
+        return str(file)
 
     def judge(self, order: str) -> str:
         """Judge the recordings of `scenarios`: return the JSON object of the grading.

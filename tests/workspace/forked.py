@@ -2,8 +2,9 @@
 
 `forked.py FOLDER` has the page's files from FOLDER, and no others of the course; with `alone` after
 it no threads, as in a browser without JSPI. It reads orders from stdin, a JSON object each, and
-prints what came of it: of one with `exercise`, `file`, `others` and `scenarios` the grading, of one
-with `file` and `arguments` what the page says of the drive. The recordings stay in FOLDER.
+prints what came of it: of one with `exercise`, `file`, `others` and `scenarios` the grading, of
+another, to `tell` or with `arguments`, what the page says of the drive. The recordings stay in
+FOLDER.
 """
 
 from __future__ import annotations
@@ -79,9 +80,10 @@ def graded(page: runtime.Runtime, order: dict[str, object], scenarios: list[str]
 
 def driven(page: runtime.Runtime, order: dict[str, object]) -> str:
     """Drive as the page's worker does, and make the replay."""
-    said = json.loads(forked(page.drive, **order))
-    if "lead" in said:
-        said = json.loads(forked(page.drive, **order, **said))
+    call = page.trial if "tell" in order else page.drive
+    said = json.loads(forked(call, **order))
+    while "lead" in said:
+        said = json.loads(forked(call, **order, **said))
     if "scenario" in said:
         replay = forked(page.replay, scenarios=[said["scenario"]], title="Drive")
         assert "<html" in replay
@@ -92,5 +94,5 @@ if __name__ == "__main__":
     warm = runtime.warm(sys.argv[1], browser=None if sys.argv[2:] else Greenlets())
     for line in sys.stdin:
         each = json.loads(line)
-        print(driven(warm, each) if "arguments" in each else graded(warm, each, each["scenarios"]),
+        print(graded(warm, each, each["scenarios"]) if "exercise" in each else driven(warm, each),
               flush=True)  # fmt: skip

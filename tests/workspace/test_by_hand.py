@@ -19,55 +19,63 @@ from sim.messages import GOAL_TOPIC
 from sim.scenario_files import load_scenario, scenario_from_toml, scenario_names
 from sim.simulation import Simulation
 
-NODE = find_exercise("live_parameters").solutions / "live_parameters_agent.py"
-CALLED = "/live_parameters_agent"
 KNOB = {
-    "node": CALLED, "name": "cruise_speed", "kind": "double", "fixed": False,
+    "node": "/live_parameters_agent", "name": "cruise_speed", "kind": "double", "fixed": False,
     "about": "speed where the way is free [m/s]", "limits": ["0.0", "0.5", "0.0"],
     "values": [[0.0, "0.3"], [4.2, "0.1"]],
 }  # fmt: skip
 REASON = "slow_distance (0.4 m) must not be below stop_distance (0.5 m)"
 
 
-def sets(at: float, text: str, node: str = CALLED) -> dict[str, Any]:
+def sets(at: float, text: str, node: str = "/live_parameters_agent") -> dict[str, Any]:
     return {"at": at, "node": node, "sets": text}
 
 
-DRIVEN: dict[str, list[dict[str, Any]]] = {
-    "demo_wall": [
+DRIVEN: list[tuple[str, str, list[dict[str, Any]]]] = [
+    ("live_parameters", "demo_wall", [
         sets(4.2, "cruise_speed:=0.1"), sets(2.5, "slow_distance:=0.4"),
         {"at": 3.0, "e_stop": True}, {"at": 3.5, "goal": [1.5, -0.25]},
         {"at": 5.0, "covers": 1.0}, {"at": 0.0, "box": [5.0, 1.5]},
-    ],
-    "live_wall": [sets(1.5, "cruise_speed:=fast")],  # it has a setter of its own
-    "live_pairs": [sets(3.6, "cruise_speed:=0.45")],  # and extends another scenario
-}  # fmt: skip
+    ]),
+    # it has a setter of its own; the other extends another scenario
+    ("live_parameters", "live_wall", [sets(1.5, "cruise_speed:=fast")]),
+    ("live_parameters", "live_pairs", [sets(3.6, "cruise_speed:=0.45")]),
+    ("three_nodes", "demo_wall", [
+        sets(2.0, "cruise_speed:=0.1", "/shuttle/driver"),
+        sets(2.0, "max_speed:=0.2", "/shuttle/guard"),
+    ]),
+]  # fmt: skip
 
 
 def test_what_is_saved_drives_again_to_the_same_digest(
     forkserver: ForkServer, tmp_path: Path
 ) -> None:
-    node = {"file": str(NODE), "arguments": "--scenario another"}
-    orders = [{**node, "scenario": name, "deeds": deeds} for name, deeds in DRIVEN.items()]
-    said = said_by_page(tmp_path, orders)
-    submission = find_submission(NODE, others=[])
-    for name, each in zip(DRIVEN, said, strict=True):
-        saved = tmp_path / f"{name}_by_hand.toml"
-        here: Recording = pickle.loads((tmp_path / f"{name}_by_hand.pickle").read_bytes())[0]
+    done = []
+    for number, (slug, name, deeds) in enumerate(DRIVEN):
+        files = find_exercise(slug).files
+        node, folder = find_exercise(slug).solutions / files[0], tmp_path / str(number)
+        of_page = {"tell": True, "others": files}  # of an exercise's, or of a program's
+        more = of_page if number else {"arguments": "--scenario another"}
+        order = {"file": str(node), "scenario": name, "deeds": deeds, **more}
+        [said] = said_by_page(folder, [order])
+        saved = folder / f"{name}_by_hand.toml"
+        here: Recording = pickle.loads(saved.with_suffix(".pickle").read_bytes())[0]
+        submission = drive.unpacked(find_submission(node, files[0], files[1:]), forkserver)
         there = drive.drive_node(submission, drive.scenario_for(str(saved)), forkserver)
         assert here.digest() == there.digest(), saved.read_text("utf-8")
-        assert each["scenario"] == saved.stem == there.name
-    wall, own, pairs = (each["hand"]["done"] for each in said)
-    assert [(d["at"], d["text"], d["said"]) for d in wall] == [
+        assert said["scenario"] == saved.stem == there.name
+        done.append(said["hand"])
+    told = [[(d["at"], d["text"], d["said"]) for d in each["done"]] for each in done]
+    assert told[0] == [
         (2.5, "slow_distance:=0.4", f"refused: {REASON}"),
         (3.0, "e-stop pressed", ""),
         (4.2, "cruise_speed:=0.1", "accepted"),
     ]
-    assert said[0]["hand"]["knobs"][0] == KNOB
-    assert "/scan" in said[0]["hand"]["hears"]
-    assert len(own) == 6
-    assert own[1]["said"].startswith("refused: Wrong parameter type")
-    assert pairs[-1]["said"] == "accepted"
+    assert len(told[1]) == 6
+    assert told[1][1][2].startswith("refused: Wrong parameter type")
+    assert [answer for *_, answer in (told[2][-1], *told[3])] == ["accepted"] * 3
+    assert done[0]["knobs"][0] == KNOB
+    assert "/scan" in done[0]["hears"]
 
 
 def test_each_scenario_takes_what_is_done_by_hand(tmp_path: Path) -> None:

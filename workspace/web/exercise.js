@@ -93,6 +93,7 @@ export class Exercise extends Workspace {
       const hand = await this.machine.ready();
       const isOwn = !this.names[1] || scenario in this.plan.scenarios; // and names its programs
       const file = isOwn ? this.names[0] : this.file;
+      this.ran = file;
       hand.doing = isOwn ? `Driving in ${scenario}` : `Driving ${file} in ${scenario}`;
       this.say(`${hand.doing} …`);
       const { text } = this;
@@ -105,9 +106,7 @@ export class Exercise extends Workspace {
     });
   }
 
-  get seedOption() { return this.seed.value === '' ? '' : ` --seed ${this.seed.value}`; }
-
-  commandOf(file) { return `course drive ${this.file} --scenario ${file}${this.seedOption}`; }
+  commandOf(file) { return `course drive ${this.ran} --scenario ${file}${this.seed.value && ` --seed ${this.seed.value}`}`; }
 
   check() {
     if (this.busy || !this.isThere() || this.whyNot) return null;

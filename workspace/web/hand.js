@@ -26,13 +26,17 @@ function wordsOf({ sets, e_stop: stop, goal, covers, box }) {
 const fine = (span) => 10 ** Math.floor(Math.log10(span / 50));
 
 export class Hand {
-  /** `act` drives again, and shows it from a moment on; it returns false if something is under way. `seek` moves the replay. */
+  /** `act` drives again, and shows it from a moment on; what it returns ends with that. `seek` moves the replay. */
   constructor({ act, seek, save, say, commandOf }) {
     Object.assign(this, { act, save, say, commandOf });
-    this.deeds = [];
+    this.deeds = this.settled = this.there = [];
     this.at = 0;
     this.moment = el('span', {});
-    this.slider = el('input', { type: 'range', min: 0, step: 0.1, 'aria-label': 'Moment of the replay [s]', oninput: () => seek(this.slider.valueAsNumber) });
+    this.slider = el('input', { type: 'range', min: 0, step: 0.1, 'aria-label': 'Moment of the replay [s]',
+      oninput: () => {
+        this.update(this.slider.valueAsNumber);
+        seek(this.at);
+      } });
     this.body = el('div', { class: 'ws-hand-body' });
     this.element = el('details', { class: 'ws-hand', 'data-pane': 'replay', hidden: true },
       el('summary', {}, 'By hand', this.moment), el('div', { class: 'ws-moment' }, this.slider), this.body);
@@ -40,7 +44,7 @@ export class Hand {
 
   /** What was done belongs to a drive, called by its words: in another, nothing has been done yet. */
   begin(drive) {
-    if (drive !== this.drive) this.deeds = [];
+    if (drive !== this.drive) [this.deeds, this.settled, this.last] = [[], [], null];
     this.drive = drive;
   }
 
@@ -51,7 +55,7 @@ export class Hand {
   show({ scenario, hand }, recordings) {
     if (!this.deeds.length) this.scenario = scenario;
     this.saved = [`${scenario}.toml`, recordings[`${scenario}.toml`]];
-    this.done = hand.done;
+    [this.done, this.settled] = [hand.done, this.deeds];
     const shown = JSON.stringify([hand.hears, hand.knobs.map(({ values, ...knob }) => knob)]);
     if (shown !== this.shown) this.build(hand);
     this.shown = shown;
@@ -183,9 +187,10 @@ export class Hand {
   undo(deed) { this.redo(this.deeds.filter((each) => each !== deed), null, deed.at); }
 
   redo(deeds, last, from = last.at) {
-    const before = this.deeds;
     [this.deeds, this.last] = [deeds, last];
-    if (!this.act(from)) [this.deeds, this.last] = [before, null];
+    Promise.resolve(this.act(from)).then(() => { // something else was under way, or it was stopped
+      if (this.deeds !== this.settled) [this.deeds, this.last] = [this.settled, null];
+    });
   }
 
   /** Save the file that a drive was made with. */
