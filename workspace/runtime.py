@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 Lines = list[tuple[float, str, int]]  # [s] of each message, and from which file and line it came
 
 MOMENT = 1e-6  # [s]
-WAY = 4  # frames from there to a node: rclpy_portable, rclpy, and how discovery looks in
+WAY = ("/native/endpoints.py", "/rclpy/publisher.py", "/virtual/discovery.py")  # to a node
 PATIENCE = 3600.0  # [s] of a trial: whether to wait is the reader's choice
 BESIDE = "the replay stands beside this text; the installed course writes files"
 NO_FILES = "there are no files here but the node; take the installed course"
@@ -112,7 +112,7 @@ class Runtime:
             __import__(name)
         typestore()
         self._launcher = InProcess(EPOCH_NS, self._reached, self._stacks, ADVICE, HOSTED)
-        self._knobs.install()  # first: the other counts frames
+        self._knobs.install()  # first: the other looks at its callers
         self._note_lines()
 
     def _note_lines(self) -> None:
@@ -122,7 +122,10 @@ class Runtime:
         send = Publisher.publish_raw
 
         def noted(publisher: Any, data: bytes) -> None:
-            file, line = _callback_line(sys._getframe(WAY), self._files)
+            frame: FrameType | None = sys._getframe(1)
+            while frame is not None and frame.f_code.co_filename.endswith(WAY):
+                frame = frame.f_back
+            file, line = _callback_line(frame, self._files)
             if line:
                 self._lines.append((self._launcher.now, file, line))
             send(publisher, data)

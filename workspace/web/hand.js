@@ -90,10 +90,10 @@ export class Hand {
     this.stop = this.button('', () => this.do({ e_stop: !this.isStopped() }), { hidden: !can.e_stop });
     this.items = el('ol', { class: 'ws-done', 'aria-label': 'Done by hand' });
     this.saveButton = this.button('Save as a scenario', () => this.keep());
-    this.command = el('p', { class: 'ws-note' });
+    this.command = el('p', {});
     this.body.replaceChildren(
-      knobs.length ? '' : el('p', { class: 'ws-note' }, 'The node has declared no parameters.'),
-      knobs.length && !hasStacks ? el('p', { class: 'ws-note' }, NO_STACKS) : '',
+      knobs.length ? '' : el('p', {}, 'The node has declared no parameters.'),
+      knobs.length && !hasStacks ? el('p', {}, NO_STACKS) : '',
       ...(hasStacks ? this.knobs.map(({ row }) => row) : []),
       el('div', { class: 'ws-tools' }, this.stop,
         can.covers ? this.button(`Cover the lidar for ${COVERED} s`, () => this.do({ covers: COVERED })) : ''),
