@@ -168,6 +168,7 @@ class _Writer:
 
     def wanted(self, notes: Sequence[str] = ()) -> ResultOptions:
         """Return how results are written, and keep it: marks change later, also after a kill."""
+        titles = json.loads(self.store.kept(OPTIONS) or "{}").get("columns", {})  # of the last run
         wanted = ResultOptions(
             hide=self.options.hide or "nothing",
             notes=[*self.store.notes(), *notes],
@@ -175,7 +176,7 @@ class _Writer:
             account=self.taken_in.account,
             students=self.store.students(),
             roster=self.options.roster,
-            columns=column_titles(self.options.columns),
+            columns=titles | column_titles(self.options.columns),
         )
         self.store.keep(OPTIONS, kept_text(wanted))
         return wanted

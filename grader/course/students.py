@@ -9,6 +9,7 @@ from pathlib import Path
 from grader.errors import InputError
 
 MIN_SECRET = 16  # [bytes]
+MAKE = "openssl rand -hex 32 > course.secret"
 SECRET_SEEDS = 2**63  # seeds from here on belong to a student, and are shown to nobody
 
 Seed = int | str  # what a grading is varied by: a number of `--seed`, or a student's key
@@ -51,10 +52,12 @@ def read_secret(path: Path) -> bytes:
     try:
         secret = path.read_bytes().strip()
     except OSError as error:
-        raise InputError(f"{path}: cannot read the course's secret ({error.strerror})") from None
+        raise InputError(
+            f"{path}: cannot read the course's secret ({error.strerror}); `{MAKE}` makes one"
+        ) from None
     if len(secret) < MIN_SECRET:
         raise InputError(
             f"{path}: a secret of {len(secret)} bytes, expected at least {MIN_SECRET}; "
-            "make one with `openssl rand -hex 32`"
+            f"make one with `{MAKE}`"
         )
     return secret

@@ -58,6 +58,14 @@ def cases(recording: Recording) -> list[Case]:
     return sorted(best, key=lambda case: case.at)
 
 
+def by_answer(recording: Recording) -> list[Case]:
+    """Return the occasions without the reasons, for which `refused` and `pairs` ask."""
+    return [
+        replace(case, allowed={n: allowed for n, allowed in case.allowed.items() if n != "reason"})
+        for case in cases(recording)
+    ]
+
+
 def _starts(given: Settings) -> Iterator[Settings]:
     """Yield the values with which a node may begin to drive that was started with these."""
     if may_be(DEFAULTS | given):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from grader.checks.case import Runs
 from grader.checks.check import DECISION, SAFETY, STATE, WIRING, check
 from grader.checks.verbs import (
@@ -12,7 +14,12 @@ from grader.checks.verbs import (
     wired,
     within,
 )
-from grader.exercises.live_parameters.contract import CONTRACT, SET, starts_safely
+from grader.exercises.live_parameters.contract import (
+    CONTRACT,
+    SET,
+    by_answer,
+    starts_safely,
+)
 
 WRONG = "fast near whole true list text nan never inf pair half_a_pair"
 STARTS = tuple(f"live_start_{what}" for what in WRONG.split())
@@ -77,6 +84,7 @@ def test_pairs(runs: Runs) -> None:
 @check(points=10, asks=STATE, task=5, scenarios=("live_together",), hint="5.3")
 def test_all_or_none(runs: Runs) -> None:
     """By set_parameters_atomically all values count, or none; by set_parameters each by itself."""
+    runs = replace(runs, oracle=by_answer)
     follows(runs, "atomically", topic=f"{SET}_atomically", help="One no is a no to all.")
     follows(runs, "set", topic=SET, help="set_parameters asks about each value by itself.")
     follows(runs, "scan", help="A check that also changes the node does so before others say no.")
@@ -85,7 +93,7 @@ def test_all_or_none(runs: Runs) -> None:
 @check(points=15, asks=SAFETY, task=6, scenarios=(*STARTS, *HELD), hint="6.1")
 def test_limits_hold(runs: Runs) -> None:
     """Whatever is set, at the start or later: at most 0.5 m/s, 0 below 0.3 m, by allowed values."""
-    starts_safely(runs.only(*STARTS))
+    starts_safely(replace(runs, oracle=by_answer).only(*STARTS))
     for name in HELD:
         within(runs[name], CONTRACT.limits, "min(…, FASTEST) costs nothing.")
     keeps_distance(runs.only("live_wall"))

@@ -31,6 +31,14 @@ def roster(tmp_path: Path) -> Roster:
     return read_roster([tmp_path / "gradebook.csv"])
 
 
+def test_a_later_run_knows_the_gradebooks_column(
+    grade_class: Any, roster: Roster, tmp_path: Path
+) -> None:
+    for columns in (f"{SLUG}=Homework (71)",), ():
+        grade_class(roster=roster, columns=columns)
+        assert "Homework (71)" in (tmp_path / "out" / "canvas" / f"{SLUG}.csv").read_text()
+
+
 def test_what_was_hidden_is_not_shown_by_a_slip(grade_class: Any) -> None:
     grade_class(hide="details")
     with pytest.raises(InputError, match="give --hide details again, or --hide nothing"):
