@@ -6,29 +6,26 @@ import contextlib
 import json
 from collections import defaultdict
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from grader.recording import Recording
+from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.parameter_service import ParameterService
+
+from grader.recording import Recording
+from grader.recording.hands import deeds
+from rclpy_portable.native.endpoints import Publisher
+from sim.messages import decode
 
 EVENTS = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
 ROS_OWN = ("use_sim_time", "qos_overrides.", "start_type_description_service")
 
 
 class Knobs:
-    """Notes what nodes declare, and each value that a parameter gets."""
+    """Notes what nodes declare, and each value that a parameter gets, for good: make it once."""
 
     def __init__(self, now: Callable[[], float]) -> None:
-        self._now = now
         self._declared: dict[str, dict[str, Any]] = {}  # descriptors by their names, by node
         self._events: list[tuple[float, bytes]] = []
-
-    def install(self) -> None:
-        """Listen to rclpy, out of the way of tracebacks. Once."""
-        from rclpy.parameter_service import ParameterService
-
-        from rclpy_portable.native.endpoints import Publisher
-
         begin, send = ParameterService.__init__, Publisher.publish_raw
 
         def begun(service: Any, node: Any) -> None:
@@ -37,7 +34,7 @@ class Knobs:
 
         def sent(publisher: Any, data: bytes) -> None:
             if (publisher.topic, publisher.type_name) == EVENTS:
-                self._events.append((self._now(), data))
+                self._events.append((now(), data))
             send(publisher, data)
 
         ParameterService.__init__, Publisher.publish_raw = begun, sent
@@ -47,9 +44,6 @@ class Knobs:
 
         A knob has the texts of its values, each with its time.
         """
-        from grader.recording.hands import deeds
-        from sim.messages import decode
-
         values: defaultdict[tuple[str, str], list[tuple[float, str]]] = defaultdict(list)
         for time, data in self._events:
             with contextlib.suppress(ValueError):  # bytes that a node sent itself
@@ -68,8 +62,6 @@ class Knobs:
 
 
 def _knob(about: Any) -> dict[str, Any]:
-    from rclpy.parameter import Parameter
-
     kind = Parameter.Type(about.type).name.lower()
     ranges = {"double": about.floating_point_range, "integer": about.integer_range}
     spans = ((each.from_value, each.to_value, each.step) for each in ranges.get(kind, ()))
@@ -79,10 +71,8 @@ def _knob(about: Any) -> dict[str, Any]:
 
 def _text(value: Any) -> str:
     """Return a value as the command line takes it."""
-    from rclpy.parameter import parameter_value_to_python
-
     found = parameter_value_to_python(value)
     found = found.tolist() if hasattr(found, "tolist") else found
-    if isinstance(found, str):
-        return found
-    return json.dumps(found, separators=(",", ":"), default=str)
+    return (
+        found if isinstance(found, str) else json.dumps(found, separators=(",", ":"), default=str)
+    )

@@ -25,7 +25,6 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 
-from workspace.knobs import Knobs
 from workspace.stacks import Browser, Gate, Stacks
 
 if TYPE_CHECKING:
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from grader.grading.grading import Grading
     from grader.recording import Recording
     from rclpy_virtual_time.link.in_process import InProcess
+    from workspace.knobs import Knobs
 
 Lines = list[tuple[float, str, int]]  # [s] of each message, and from which file and line it came
 
@@ -70,7 +70,7 @@ class Runtime:
         self._launcher: InProcess
         self._files: frozenset[str] = frozenset()  # the names of the reader's
         self._lines: Lines = []
-        self._knobs = Knobs(lambda: self._launcher.now)
+        self._knobs: Knobs
 
     def begin(self) -> None:
         """Import all that a trial, a judge or a replay needs; put virtual time under Python."""
@@ -106,13 +106,14 @@ class Runtime:
         from grader.report.terminal import Console
         from rclpy_virtual_time.link.in_process import InProcess
         from sim.messages import EPOCH_NS, typestore
+        from workspace.knobs import Knobs
 
         Console(file=io.StringIO()).print("[bold]…[/]")  # what it imports at the first line
         for name in MESSAGES:
             __import__(name)
         typestore()
         self._launcher = InProcess(EPOCH_NS, self._reached, self._stacks, ADVICE, HOSTED)
-        self._knobs.install()  # first: the other looks at its callers
+        self._knobs = Knobs(lambda: self._launcher.now)  # before what looks at its callers
         self._note_lines()
 
     def _note_lines(self) -> None:
