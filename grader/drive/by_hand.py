@@ -43,7 +43,8 @@ def scenario_by_hand(name: str, deeds: Sequence[Mapping[str, Any]]) -> str:
     if script != full.get("script", []):
         doc["script"] = script
     if sets := [deed for deed in deeds if "sets" in deed]:
-        doc["program"] = _programs(full.get("program", [{}]), sets)
+        nodes = dict.fromkeys(deed["node"] for deed in sets)
+        doc["program"] = [*full.get("program", [{}]), *(_setter(node, sets) for node in nodes)]
     if covered:
         faults = full.get("faults", {})
         doc["faults"] = {**faults, "blackout": [*faults.get("blackout", []), *covered]}
@@ -55,21 +56,11 @@ def scenario_by_hand(name: str, deeds: Sequence[Mapping[str, Any]]) -> str:
     return "".join(f"{_key(key)} = {_text(value, lines=True)}\n" for key, value in doc.items())
 
 
-def _programs(programs: Sequence[Tables], sets: Sequence[Mapping[str, Any]]) -> list[Tables]:
-    """Return the programs with the setters of these parameters, one for each node."""
-    found = list(programs)
-    for node in dict.fromkeys(deed["node"] for deed in sets):
-        orders = [f"{float(deed['at'])} {deed['sets']}" for deed in sets if deed["node"] == node]
-        called, setter = node, {"file": SETTER, "supplied": True}
-        for program in programs:
-            if program.get("file") == SETTER:
-                name, *others = program["arguments"]
-                if name.strip("/") == node.strip("/"):
-                    called, setter, orders = name, program, [*others, *orders]
-                    found.remove(program)
-        orders.sort(key=lambda order: float(order.split()[0]))
-        found.append({**setter, "arguments": [called, *orders]})
-    return found
+def _setter(node: str, sets: Sequence[Mapping[str, Any]]) -> Tables:
+    """Return the program that sets these parameters of a node."""
+    mine = sorted((deed for deed in sets if deed["node"] == node), key=lambda deed: deed["at"])
+    orders = [f"{float(deed['at'])} {deed['sets']}" for deed in mine]
+    return {"file": SETTER, "supplied": True, "arguments": [node, *orders]}
 
 
 def _turned_back(place: Sequence[float], full: Tables) -> list[float]:
