@@ -148,13 +148,13 @@ class Runtime:
         the answer: the same again in a fresh copy, with this lead and what has been kept.
         """
         from grader.drive import scenario_for
-        from grader.trial.seeds import mixed_seed
+        from grader.trial.seeds import mixed_seed, trial_seed
         from grader.trial.virtual_time import Limits, run_trial
         from rclpy_virtual_time.link.in_process import StartEarlier
         from sim.scenario_files import load_scenario
 
         wanted = json.loads(order)
-        tells = wanted.get("tell", False)
+        tells, seed = wanted.get("tell", False), wanted.get("seed")
         scenario = (scenario_for if tells else load_scenario)(self._scenario(wanted))
         self._files = frozenset(wanted["others"])
         submission = self._read(Path(wanted["file"]), wanted["others"])
@@ -165,7 +165,7 @@ class Runtime:
                 submission,
                 scenario,
                 self._launcher,
-                seed=mixed_seed(scenario.seed, wanted.get("seed")),
+                seed=mixed_seed(scenario.seed, seed) if tells else trial_seed(scenario, seed),
                 limits=Limits(total=PATIENCE),
                 stamped=tells,
                 interrupt=wanted.get("interrupt", False),

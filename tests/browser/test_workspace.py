@@ -22,7 +22,9 @@ from grader.claims.mutants import find_mutant, mutants, submission_of
 from grader.course.exercises import ROOT, all_exercises, find_exercise
 from grader.course.submission import find_submission
 from grader.grading.grading import grade_submission
+from grader.trial.seeds import trial_seed
 from rclpy_virtual_time.link.hosts import ForkServer
+from sim.scenario_files import load_scenario
 from workspace.build import PAGE_PACKAGES, lay, page_packages
 from workspace.plan import plan
 
@@ -428,6 +430,19 @@ def test_a_python_that_a_node_broke_starts_anew(open_workspace: Any) -> None:
     page.get_by_label("The drive").wait_for(timeout=SLOW)
     assert page.locator(".ws-stale").is_hidden()
     assert page.locator("[data-outcome=fail]").count() == 0
+
+
+def test_a_check_with_a_seed_is_of_other_worlds_and_one_can_be_kept(open_workspace: Any) -> None:
+    page = open_workspace()
+    settle(page)
+    page.get_by_label("seed", exact=True).fill("7")
+    narrow = find_mutant(find_exercise(SLUG), "narrow_cone").text
+    assert check(page, narrow).endswith("of 100 points in the worlds of seed 7.")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Keep this world").first.click()
+    name, _, seed = download.value.suggested_filename.removesuffix(".toml").rpartition("_")
+    kept, own = load_scenario(download.value.path()), load_scenario(name)
+    assert kept.seed == int(seed) == trial_seed(own, 7) != own.seed
 
 
 def test_what_is_typed_during_a_check_is_not_checked(open_workspace: Any) -> None:

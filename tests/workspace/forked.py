@@ -71,7 +71,7 @@ def graded(page: runtime.Runtime, order: dict[str, object], scenarios: list[str]
     """Drive and judge as the page's worker does."""
     for number, scenario in enumerate(scenarios):
         trial = {"file": order["file"], "others": order["others"], "scenario": scenario}
-        trial["interrupt"] = number == 0
+        trial |= {"interrupt": number == 0, "seed": order["seed"]}
         outcome = json.loads(forked(page.trial, **trial))
         while "lead" in outcome:
             outcome = json.loads(forked(page.trial, **trial, **outcome))

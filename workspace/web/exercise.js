@@ -58,7 +58,7 @@ export class Exercise extends Workspace {
         button('Drive', () => this.drive(), { title: 'Ctrl-Enter', class: 'ws-main' }),
         el('label', { for: 'ws-scenario' }, 'in'), this.scenario,
         el('label', { for: 'ws-seed', class: 'ws-seed' }, 'seed', this.seed),
-        button('Check', () => this.check(), { title: 'Ctrl-Shift-Enter', class: 'ws-main' }),
+        button('Check', () => this.check(), { title: 'Ctrl-Shift-Enter; with a seed, in other worlds', class: 'ws-main' }),
       ],
       fileTools: [button('Task', () => this.showTask(), { title: 'What is to be done' }), this.changesButton],
       result: [this.score, el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)))],
@@ -78,16 +78,22 @@ export class Exercise extends Workspace {
   /** Run a node's text in a scenario; return how it ended, and its recording. */
   trial(hand, scenario, text, more) { return this.run(hand, 'trial', { others: this.plan.files, scenario, ...more }, text); }
 
-  /** Drive; show it from its start on, or from a moment. */
-  drive(from) {
+  /** Return the seed that is asked for, if one is; null if nothing can be begun, and why is said. */
+  begun() {
     if (this.busy || !this.isThere() || this.whyNot) return null;
     if (!this.seed.checkValidity()) {
       this.say('The seed is a whole number from 0 to 1000000.');
       return null;
     }
-    const scenario = this.scenario.value;
-    const seed = this.seed.value === '' ? {} : { seed: Number(this.seed.value) };
     this.unmark();
+    return this.seed.value === '' ? {} : { seed: Number(this.seed.value) };
+  }
+
+  /** Drive; show it from its start on, or from a moment. */
+  drive(from) {
+    const seed = this.begun();
+    if (!seed) return null;
+    const scenario = this.scenario.value;
     this.hand.begin(`${scenario} ${this.seed.value}`);
     return this.work(async () => {
       const hand = await this.machine.ready();
@@ -108,28 +114,32 @@ export class Exercise extends Workspace {
 
   commandOf(file) { return `course drive ${this.ran} --scenario ${file}${this.seed.value && ` --seed ${this.seed.value}`}`; }
 
+  /** Check; with a seed, in other worlds that are as hard. */
   check() {
-    if (this.busy || !this.isThere() || this.whyNot) return null;
-    this.unmark();
+    const seed = this.begun();
+    if (!seed) return null;
+    const where = 'seed' in seed ? ` in the worlds of seed ${seed.seed}` : '';
     Object.values(this.rows).forEach(({ fill }) => fill(null));
     this.score.replaceChildren();
     [this.judged, this.stale.hidden] = [undefined, true];
     return this.work(async () => {
       const { text } = this;
-      await this.driveAll(text);
+      await this.driveAll(text, seed);
       this.say('Judging …');
       const grading = await this.judge(await this.machine.ready());
+      this.worlds = where && Object.fromEntries(grading.recordings.map((each) => [each.scenario, each.seed]));
       this.fill(grading, this.plan.checks.map(({ id }) => id));
-      this.shelf.add(text, `${grading.score} of ${grading.max_score}`, grading.checks.every(({ outcome }) => GREEN.includes(outcome)));
+      const passed = !where && grading.checks.every(({ outcome }) => GREEN.includes(outcome));
+      this.shelf.add(text, `${grading.score} of ${grading.max_score}${where}`, passed);
       this.listVersions();
       this.speakOf(text);
       await this.tell(grading);
-      return `${grading.score} of ${grading.max_score} points.`;
+      return `${grading.score} of ${grading.max_score} points${where}.`;
     });
   }
 
   /** Drive in all scenarios of the checks; on a slow machine judge what can be judged meanwhile. */
-  async driveAll(text) {
+  async driveAll(text, seed) {
     const { checks } = this.plan;
     const wanted = [...new Set(checks.flatMap((check) => check.scenarios))];
     const left = [...wanted];
@@ -142,7 +152,7 @@ export class Exercise extends Workspace {
       const number = wanted.length - left.length;
       hand.doing = `Run ${number} of ${wanted.length}, ${scenario}`;
       this.say(`${hand.doing} …`);
-      const [, recordings] = await this.trial(hand, scenario, text, { interrupt: scenario === interrupted });
+      const [, recordings] = await this.trial(hand, scenario, text, { interrupt: scenario === interrupted, ...seed });
       Object.assign(this.recordings, recordings);
       const open = checks.findIndex((check) => !check.scenarios.every((name) => `${name}.pickle` in this.recordings));
       if (performance.now() - last > JUDGE_EVERY * 1000 && open > shown) {
@@ -230,9 +240,17 @@ export class Exercise extends Workspace {
       result.log ? el('pre', {}, result.log) : null,
       el('div', { class: 'ws-tools' },
         seen ? button(result.time === null ? 'Show' : `Show ${result.time.toFixed(2)} s`, () => this.look(result)) : null,
+        seen && this.worlds ? button('Keep this world', () => this.keepWorld(result.scenario)) : null,
         result.outcome === 'fail' && result.task ? button('A hint', (event) => this.hint(result, told, event.currentTarget)) : null),
       told,
     ].filter(Boolean);
+  }
+
+  /** Save a world in which a check failed as a scenario of one's own. */
+  keepWorld(scenario) {
+    const seed = this.worlds[scenario];
+    const title = JSON.stringify(`${this.plan.scenarios[scenario]}, with seed ${seed}`);
+    this.save(`${scenario}_${seed}.toml`, `title = ${title}\nextends = "${scenario}"\nseed = ${seed}\n`, 'text/plain');
   }
 
   look(result) {
