@@ -24,6 +24,7 @@ KNOB = {
     "about": "speed where the way is free [m/s]", "limits": ["0.0", "0.5", "0.0"],
     "values": [[0.0, "0.3"], [4.2, "0.1"]],
 }  # fmt: skip
+TWO = "stop_distance:=0.6"
 REASON = "slow_distance (0.4 m) must not be below stop_distance (0.5 m)"
 
 
@@ -33,7 +34,7 @@ def sets(at: float, text: str, node: str = "/live_parameters_agent") -> dict[str
 
 DRIVEN: list[tuple[str, str, list[dict[str, Any]]]] = [
     ("live_parameters", "demo_wall", [
-        sets(4.2, "cruise_speed:=0.1"), sets(2.5, "slow_distance:=0.4"),
+        sets(4.2, "cruise_speed:=0.1"), sets(2.5, "slow_distance:=0.4"), sets(3.2, TWO),
         {"at": 3.0, "e_stop": True}, {"at": 3.5, "goal": [1.5, -0.25]},
         {"at": 5.0, "covers": 1.0}, {"at": 0.0, "box": [5.0, 1.5]}]),
     ("live_parameters", "live_wall", [sets(1.5, "cruise_speed:=fast")]),  # has a setter of its own
@@ -42,7 +43,7 @@ DRIVEN: list[tuple[str, str, list[dict[str, Any]]]] = [
                                   sets(2.0, "max_speed:=0.2", "/shuttle/guard")]),
 ]  # fmt: skip
 WALL = [(2.5, "slow_distance:=0.4", f"refused: {REASON}"), (3.0, "e-stop pressed", ""),
-        (4.2, "cruise_speed:=0.1", "accepted")]  # fmt: skip
+        (3.2, TWO, "accepted"), (4.2, "cruise_speed:=0.1", "accepted")]  # fmt: skip
 
 
 def test_what_is_saved_drives_again_to_the_same_digest(
@@ -63,6 +64,7 @@ def test_what_is_saved_drives_again_to_the_same_digest(
         done.append([(d["at"], d["text"], d["said"]) for d in said["hand"]["done"]])
         if number == 0:
             assert said["hand"]["knobs"][0] == KNOB
+            assert said["hand"]["knobs"][1]["values"] == [[0.0, "0.5"], [3.2, "0.6"]]
             assert "/scan" in said["hand"]["hears"]
     wall, own, pairs, shuttle = done
     assert wall == WALL
