@@ -24,6 +24,7 @@ import tempfile
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from select import select as wait_for_real  # before the kernel replaces it
+from types import FrameType
 from typing import Any, NamedTuple
 
 import msgspec
@@ -225,6 +226,22 @@ def _become_host(
         os._exit(70)
 
 
+def _tell_stacks(_: int, frame: FrameType | None) -> None:
+    """Write the stacks of all threads to stderr, as faulthandler does.
+
+    It reads those of threads that run meanwhile, which can end the process; here they wait.
+    """
+    with contextlib.suppress(Exception):
+        for number, top in sys._current_frames().items():
+            at = frame if top is sys._getframe() else top
+            lines = [f"Thread 0x{number:016x} (most recent call first):"]
+            while at is not None:
+                code = at.f_code
+                lines.append(f'  File "{code.co_filename}", line {at.f_lineno} in {code.co_name}')
+                at = at.f_back
+            os.write(2, ("\n".join(lines) + "\n\n").encode("utf-8", "backslashreplace"))
+
+
 def _prepare_host(request: Request, output: tuple[int, int], *, live: bool) -> None:
     os.setsid()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # background jobs ignore it
@@ -233,7 +250,8 @@ def _prepare_host(request: Request, output: tuple[int, int], *, live: bool) -> N
         os.dup2(source, target)
         os.close(source)
     atexit._clear()  # what is registered from now on is the student's
-    faulthandler.register(signal.SIGUSR1, file=2, all_threads=True)
+    signal.signal(signal.SIGUSR1, _tell_stacks)
+    faulthandler.register(signal.SIGUSR2, file=2, all_threads=True)  # where no handler runs
     os.chdir(request.folder)
     os.environ["HOME"] = str(Path(request.folder, HOME))
     os.environ["TMPDIR"] = request.folder

@@ -38,10 +38,10 @@ class HostProcess:
         """Return whether the host would go on if the machine let it."""
         return is_ready(self.pid)
 
-    def dump_stacks(self) -> None:
-        """Ask the host to write the stacks of its threads to stderr."""
+    def dump_stacks(self, number: int = signal.SIGUSR1) -> None:
+        """Ask the host to write the stacks of its threads to stderr; SIGUSR2: from native code."""
         with contextlib.suppress(ProcessLookupError):
-            signal.pidfd_send_signal(self.pidfd, signal.SIGUSR1)
+            signal.pidfd_send_signal(self.pidfd, number)
 
     def wait(self, patience: float = 0.0) -> str:
         """Wait for the end of the host; return its exit status ("-9": killed by signal 9).

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import select
+import signal
 from pathlib import Path
 
 from rclpy_virtual_time.host.frames import LENGTH, MAX_FRAME
@@ -26,7 +27,8 @@ CHUNK = 65536  # [bytes] read at once; as much as a pipe holds
 DRAINS = 16  # chunks read at the end, from a host that may still be writing
 PATROL = 0.02  # [s] after which the judge reads output as it comes, and looks at the host again
 COUNTED = Path("/proc/self/schedstat").exists()  # waits for a CPU, by the kernel
-STACK_TIME = 0.3  # [s] a hung host gets for writing its stacks
+STACK_TIME = 0.3  # [s] a hung host gets for writing a line of its stacks ...
+MOST_STACK_TIME = 3.0  # [s] ... and all of them
 
 
 class Channel:
@@ -109,14 +111,16 @@ class Channel:
         for _ in range(DRAINS):
             self._drain(self._host.stderr)
         before = len(self.stderr.lines)
-        self._host.dump_stacks()
-        deadline = real_clock.perf_counter() + STACK_TIME
+        deadline = real_clock.perf_counter() + MOST_STACK_TIME
         said = select.poll()
         said.register(self._host.stderr, select.POLLIN)
-        while (remaining := deadline - real_clock.perf_counter()) > 0:
-            if any(event & select.POLLIN for _, event in said.poll(remaining * 1e3)):
+        for number in (signal.SIGUSR1, signal.SIGUSR2):
+            self._host.dump_stacks(number)
+            while any(event & select.POLLIN for _, event in said.poll(STACK_TIME * 1e3)):
                 self._drain(self._host.stderr)
-            else:
+                if real_clock.perf_counter() > deadline:
+                    break
+            if len(self.stderr.lines) > before:
                 break
         return "\n".join(line.text for line in self.stderr.lines[before:])
 

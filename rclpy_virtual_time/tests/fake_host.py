@@ -44,7 +44,7 @@ class FakeHost(HostProcess):
     def is_ready(self) -> bool:
         return next(self.ready)
 
-    def dump_stacks(self) -> None:
+    def dump_stacks(self, _: int = 0) -> None:
         with contextlib.suppress(BlockingIOError):  # a full pipe loses it, as faulthandler does
             os.write(self.their_stderr, b'  File "agent.py", line 7 in on_scan\n')
 
