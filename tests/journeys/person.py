@@ -35,6 +35,8 @@ class Person:
 
     def types(self, line: str, code: int = 0, before: str = "") -> str:
         """Return what a line printed; it has to end with this code."""
+        if line.startswith("unzip ") and shutil.which("unzip") is None:
+            pytest.skip("there is no unzip on this machine")
         places = [
             f"{p}/bin" for p in (self.environment, sys.base_prefix, "/usr/local", "/usr") if p
         ]
