@@ -251,7 +251,7 @@ def undo(class_: Marking, entry: int, preview: bool, why: str, by: str) -> int:
     """Have an ENTRY of the log no longer count. To bring it back, undo that."""
     from grader.classroom.amendments.change import Accept, Assign, Undo  # noqa: PLC0415
 
-    undone = [each.change for each in class_.entries if each.number == entry]
+    undone = [each.change for each in class_.store.entries(entry) if each.number == entry]
     code = _changed(class_, Undo(entry), by, why, preview=preview)
     if undone and isinstance(undone[0], Accept | Assign) and not preview:
         echo(AGAIN)

@@ -46,7 +46,8 @@ PROGRAMS = {  # a row's first words: what shows it, in its last printed line
     "`publisher.publish(": INIT + "publisher = node.create_publisher(String, 'x', 1)\n"
     "rclpy.shutdown(); publisher.publish(String())",
     "`rclpy.shutdown()` after": INIT + "threading.Timer(0.2, os.kill, (os.getpid(), 2)).start()\n"
-    "try: rclpy.spin(node)\nexcept KeyboardInterrupt:\n"
+    "try: rclpy.spin(node)\n"
+    "except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):\n"  # whichever is first
     "  while rclpy.ok(): threading.Event().wait(0.01)\n"  # its own thread ends the context
     "  rclpy.shutdown(); print('nothing')",
     "`executor.create_task(": "from rclpy.executors import SingleThreadedExecutor\nrclpy.init()\n"
