@@ -83,7 +83,9 @@ class Runtime:
 
             kernel.real_allocate_lock = partial(Gate, self._stacks)  # type: ignore[assignment]
         else:
-            _thread.start_new_thread = threading._start_new_thread = _no_thread  # type: ignore[attr-defined]
+            for name in ("_start_new_thread", "_start_joinable_thread"):  # the latter from 3.13 on
+                setattr(threading, name, _no_thread)
+            _thread.start_new_thread = _no_thread
         import _time_machine
 
         import rclpy_portable
@@ -305,7 +307,7 @@ class Runtime:
         return self._recordings / f"{scenario}.pickle"
 
 
-def _no_thread(*_: object) -> NoReturn:
+def _no_thread(*_: object, **__: object) -> NoReturn:
     raise RuntimeError("a thread needs JSPI (WebAssembly.Suspending), which this browser has not")
 
 
