@@ -43,9 +43,9 @@ INFLATED = ("pyodide.asm.js", "pyodide.asm.wasm")  # by the worker: plain server
 LIBRARY = "python_stdlib.zip"  # as well: its files are small, and make a smaller archive together
 MOST = 12_000_000  # [bytes] of a first visit
 WEB = (
-    "able.js", "element.js", "exercise.js", "hand.js", "keep.js", "links.js", "machine.js",
-    "offline.js", "page.js", "program.js", "shelf.js", "start.js", "worker.js", "workspace.js",
-    "workspace.css",
+    "able.js", "element.js", "exercise.js", "hand.js", "keep.js", "links.js", "look.js",
+    "machine.js", "offline.js", "page.js", "program.js", "shelf.js", "start.js", "worker.js",
+    "workspace.js", "workspace.css",
 )  # fmt: skip
 # The rooms of the course that a page needs
 COURSE = re.compile(
@@ -93,6 +93,7 @@ NOT_OF_PYTHON = re.compile(
     r"^(ensurepip|idlelib|lib2to3|pydoc_data|sqlite3|test|tkinter|turtle|xmlrpc|mailbox|wsgiref|curses"
     r"|(aifc|cgi|cgitb|ftplib|imaplib|modulefinder|nntplib|pipes|poplib|smtplib|sndhdr|sunau|telnetlib"
     r"|http/(cookiejar|server)|multiprocessing/managers"  # no page has a network, or processes
+    r"|antigravity|chunk|mailcap|netrc|nturl2path|pickletools|plistlib"
     r"|pyclbr|venv|webbrowser|xdrlib|zipapp|pydoc|unittest/mock|xml/(dom|sax))\b|dbm|encodings/(?!__init__|aliases|ascii|cp437|idna|latin_1|punycode|raw_unicode|unicode|utf_)"
     r"|_py(io|datetime)\b|asyncio/(proactor|windows))"  # what C has, and Windows
 )

@@ -37,7 +37,9 @@ if TYPE_CHECKING:
 Lines = list[tuple[float, str, int]]  # [s] of each message, and from which file and line it came
 
 MOMENT = 1e-6  # [s]
-WAY = ("/native/endpoints.py", "/rclpy/publisher.py", "/virtual/discovery.py")  # to a node
+WAY = (  # to a node
+    "/native/endpoints.py", "/rclpy/publisher.py", "/virtual/discovery.py", "/host/look.py",
+)  # fmt: skip
 PATIENCE = 3600.0  # [s] of a trial: whether to wait is the reader's choice
 BESIDE = "the replay stands beside this text; the installed course writes files"
 NO_FILES = "there are no files here but the node; take the installed course"
@@ -106,6 +108,7 @@ class Runtime:
         import grader.trial.virtual_time  # noqa: F401
         from grader.launchers import ADVICE, HOSTED
         from grader.report.terminal import Console
+        from rclpy_virtual_time import Link
         from rclpy_virtual_time.link.in_process import InProcess
         from sim.messages import EPOCH_NS, typestore
         from workspace.knobs import Knobs
@@ -114,7 +117,8 @@ class Runtime:
         for name in MESSAGES:
             __import__(name)
         typestore()
-        self._launcher = InProcess(EPOCH_NS, self._reached, self._stacks, ADVICE, HOSTED)
+        self._launcher = InProcess(EPOCH_NS, self._reached, self._stacks, ADVICE,
+                                   (*HOSTED, Link.Moment.LIBRARY))  # fmt: skip
         self._knobs = Knobs(lambda: self._launcher.now)  # before what looks at its callers
         self._note_lines()
 
@@ -146,10 +150,11 @@ class Runtime:
         The order names the `file`, the `scenario`, all files of its exercise (`others`),
         perhaps a `seed` and a `lead` [ns], whether to `interrupt`, and whether to `tell`: to do as
         `course drive` does, and say what that prints; and what a person does meanwhile, `deeds`
-        (`grader.drive.by_hand`): the file of the scenario with them is kept, too. `{"lead": …}` in
-        the answer: the same again in a fresh copy, with this lead and what has been kept.
+        (`grader.drive.by_hand`): the file of the scenario with them is kept, too. With moments to
+        `look` into [s] the answer has their `tables`. `{"lead": …}` in the answer: the same again
+        in a fresh copy, with this lead and what has been kept.
         """
-        from grader.drive import scenario_for
+        from grader.drive import scenario_for, tables_of
         from grader.trial.seeds import mixed_seed, trial_seed
         from grader.trial.virtual_time import Limits, run_trial
         from rclpy_virtual_time.link.in_process import StartEarlier
@@ -172,11 +177,14 @@ class Runtime:
                 stamped=tells,
                 interrupt=wanted.get("interrupt", False),
                 lead=wanted.get("lead", 0),
+                look=wanted.get("look", ()),
             )
         except StartEarlier as early:
             return json.dumps({"lead": early.lead})
         told = {}
-        if tells:
+        if "look" in wanted:
+            told["tables"] = tables_of(recording, wanted["look"])
+        elif tells:
             told = {"printed": _summary(recording, submission), "hand": self._knobs.of(recording)}
         return json.dumps({**told, **self._kept(recording)})
 
@@ -196,8 +204,8 @@ class Runtime:
     def drive(self, order: str) -> str:
         """Do what `course drive FILE ARGUMENTS` does; say what it prints, and how the run ended.
 
-        The order names the `file` and the `arguments`, and perhaps a `lead` [ns], and `deeds` with
-        their `scenario`, as in `trial`.
+        The order names the `file` and the `arguments`, and perhaps a `lead` [ns], `deeds` with
+        their `scenario`, and moments to `look` into, as in `trial`.
         """
         from grader import cli, drive
         from grader.cli.drive import Elsewhere
@@ -211,6 +219,7 @@ class Runtime:
 
         def drive_node(*what: Any, **how: Any) -> Recording:
             how |= {"limits": Limits(total=PATIENCE), "lead": wanted.get("lead", 0)}
+            how["look"] = wanted.get("look", how["look"])
             with _to(sys.__stdout__, sys.__stderr__):  # for what the node prints
                 made.append(drive.drive_node(*what, **how))
             return _unmeasured(made[0])
@@ -228,6 +237,7 @@ class Runtime:
         told: dict[str, Any] = {"printed": printed.getvalue()}
         if made:
             told |= {"hand": self._knobs.of(made[0]), **self._kept(made[0])}
+            told["tables"] = drive.tables_of(made[0], wanted.get("look", ()))
         return json.dumps(told)
 
     def _scenario(self, wanted: dict[str, Any]) -> str:

@@ -26,6 +26,7 @@ Examples:
   course drive my_agent.py --scenario demo_wall --lidar lds01 --report drive.html
   course drive seeker.py --scenario demo_open --goal 5 3 --goal 0 0 --param gain:=0.5
   course drive slow_agent.py --scenario demo_wall --charge-compute
+  course drive my_agent.py --scenario demo_wall --at 4.2 --at 4.3
 """
 
 
@@ -64,6 +65,11 @@ class Elsewhere:
     "on the machine, so no grading does it.",
 )  # fmt: skip
 @click.option(
+    "--at", "at", type=click.FloatRange(0, 3600), multiple=True, metavar="S",
+    help="Show the callback that ran last by then: what came, what the node kept, what it sent and "
+    "its locals there; of several programs each one's. Given twice: side by side.",
+)  # fmt: skip
+@click.option(
     "--log", "log", metavar="N|all", default="10", help="Lines of what the node said to show."
 )
 @click.option("--seed", type=click.IntRange(0, 10**6), help="Vary world and noise.")
@@ -83,6 +89,7 @@ def drive(
     keys: str,
     env: tuple[str, ...],
     charge_compute: bool,
+    at: tuple[float, ...],
     log: str,
     seed: int | None,
     report: Path | None,
@@ -97,6 +104,7 @@ def drive(
     """
     from grader import drive as driving  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
+    from rclpy_virtual_time import Link  # noqa: PLC0415
 
     context = click.get_current_context()
     elsewhere: Elsewhere | None = context.obj
@@ -117,6 +125,10 @@ def drive(
     typed, variables = driving.read_keys(keys), driving.read_env(env)
     if text and typed:
         raise InputError("--stdin and --keys: expected one of them; a node has one stdin")
+    if len(at) > 2:
+        raise InputError(f"--at: expected one moment, or two to compare, and not {len(at)}")
+    if at and charge_compute:
+        raise InputError("--at and --charge-compute: expected one; looking takes CPU time, too")
     if log != "all" and not log.isdecimal():
         raise InputError(f"--log {log!r}: expected a number of lines, or all")
     check_writable(report)
@@ -124,7 +136,7 @@ def drive(
     with (
         contextlib.nullcontext(elsewhere.launcher)
         if elsewhere
-        else start_forkserver(portable=portable)
+        else start_forkserver((Link.Moment.LIBRARY,) if at else (), portable=portable)
     ) as forkserver:
         submission = driving.unpacked(submission, forkserver)
         if submission.problem:
@@ -140,6 +152,7 @@ def drive(
             keys=typed,
             env=variables,
             charge_compute=charge_compute,
+            look=at,
             on_second_look=lambda: echo(
                 f"{file.name}: not in virtual time; once more in real time, which takes its start "
                 f"and {chosen.duration:.0f} s",
@@ -161,6 +174,7 @@ def drive(
     )  # fmt: skip
     for said in submission.account():
         echo(f"  {said}")
+    driving.print_moments(recording, at)
     if report is not None:
         write_report(report, None, [recording], f"Drive of {file.name}")
     outcome = recording.outcome

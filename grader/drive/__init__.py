@@ -1,5 +1,6 @@
 """Drive any rclpy node in the mock robot, without grading it; look for worlds that it fails in."""
 
+from grader.drive.moments import print_moments, tables_of
 from grader.drive.node import (
     arguments_of,
     drive_in,
@@ -19,11 +20,13 @@ __all__ = [
     "drive_in",
     "drive_node",
     "event_lines",
+    "print_moments",
     "print_summary",
     "read_env",
     "read_keys",
     "read_params_files",
     "read_stdin",
     "scenario_for",
+    "tables_of",
     "unpacked",
 ]

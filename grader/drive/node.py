@@ -182,6 +182,7 @@ def drive_node(
     limits: Limits | None = None,
     interrupt: bool = True,
     lead: int = 0,
+    look: Sequence[float] = (),
     on_second_look: Callable[[], None] | None = None,
 ) -> Recording:
     """Run the node once; `stamped`: the robot also understands TwistStamped.
@@ -213,6 +214,7 @@ def drive_node(
         limits=limits,
         interrupt=interrupt,
         lead=lead,
+        look=look,
     )
     hung = recording.outcome.kind == "hung"
     special = launcher.practice or stdin or keys or env or charge_compute  # there is none of it

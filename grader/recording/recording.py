@@ -21,7 +21,7 @@ from grader.recording import views
 from grader.recording.inferences import Inference
 from grader.recording.training import Training
 from grader.recording.views import Floats, Goals, Odom, Scan, Twists
-from rclpy_virtual_time import Ended, LogLine, Note
+from rclpy_virtual_time import Ended, Link, LogLine, Note
 from sim.layout import Layout, layout_to_json
 from sim.messages import (
     CMD_VEL_TOPIC,
@@ -174,6 +174,9 @@ class Recording:
     charged: bool = False  # computing took virtual time, so another run differs
     ending: Ending | None = None  # what Ctrl-C did after all that, if it was asked for; not saved
     notes: tuple[Note, ...] = ()  # the host's, for a person; no check sees them, and no bag
+    moments: tuple[
+        tuple[str, Link.Moment], ...
+    ] = ()  # looked into, each with its program; not saved
     bag: str | None = None  # where it is saved
 
     @property

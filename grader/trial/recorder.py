@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 
 from grader.recording import Compute, Endpoint, Inference, Live, Outcome, Recording
-from rclpy_virtual_time import EndpointReport, Flood, HostForged, LogLine, Note, Published
+from rclpy_virtual_time import EndpointReport, Flood, HostForged, Link, LogLine, Note, Published
 from sim.messages import (
     CMD_VEL_TOPIC,
     TWIST,
@@ -40,10 +40,17 @@ class Recorder:
         Files of the programs that run, in order.
     most
         What the node may publish [bytes].
+    looks
+        Moments that somebody looks into [ns].
     """
 
     def __init__(
-        self, programs: Sequence[str] = (), *, stamped: bool = False, most: int = MAX_BYTES
+        self,
+        programs: Sequence[str] = (),
+        *,
+        stamped: bool = False,
+        most: int = MAX_BYTES,
+        looks: Sequence[int] = (),
     ) -> None:
         again = [programs[:i].count(file) for i, file in enumerate(programs)]
         named = zip(programs, again, strict=True)
@@ -53,7 +60,8 @@ class Recorder:
         self.endpoints: list[Endpoint] = []
         self.compute: list[tuple[float, float, float, float]] = []
         self._notes: dict[tuple[str, str, str], Note] = {}
-        self._stamped, self._most = stamped, most
+        self._moments: dict[tuple[int, int], Link.Moment] = {}
+        self._stamped, self._most, self._looks = stamped, most, looks
         self._bytes = 0
 
     def note_endpoints(self, reports: Iterable[EndpointReport]) -> None:
@@ -74,6 +82,16 @@ class Recorder:
             key = (note.kind, note.about, note.line)
             if key in self._notes or len(self._notes) < Note.MOST:
                 self._notes[key] = note
+
+    def look(self, moments: Iterable[Link.Moment]) -> None:
+        """Keep what is told of moments, the latest of each.
+
+        Raises HostForged: nobody has asked, or there is no such program.
+        """
+        for moment in moments:
+            if moment.asked not in self._looks or moment.program >= len(self._processes):
+                raise HostForged(f"moment {moment.asked} of program {moment.program}")
+            self._moments[moment.asked, moment.program] = moment
 
     def hear(self, heard: Iterable[Published], began: int, reached: int) -> list[Command]:
         """Note messages of the node, sent between two times [ns]; return its commands.
@@ -120,6 +138,11 @@ class Recorder:
             live=live,
             inferences=tuple(asked),
             charged=charged,
+            moments=tuple(
+                (file, self._moments[key])
+                for key in sorted(self._moments)
+                if (file := self._processes[key[1]]).partition(" (")[0] not in ours
+            ),
             notes=tuple(
                 note
                 for note in self._notes.values()

@@ -95,6 +95,7 @@ def run_trial(
     env: Sequence[tuple[str, str]] = (),
     interrupt: bool = False,
     lead: int = 0,
+    look: Sequence[float] = (),
 ) -> Recording:
     """Run a student's file in a scenario and return what happened.
 
@@ -122,18 +123,21 @@ def run_trial(
         When all is recorded, send the programs SIGINT, and note what comes of it.
     lead
         How long before the scenario to start the programs [ns], if that has been found out.
+    look
+        Moments [s] to look into; the launcher has to be able to (`Link.Moment.LIBRARY`).
     """
     problem = not_runnable(submission, scenario)
     if problem is not None:
         return not_run(Simulation(scenario, seed), problem)
     limits = limits or Limits()
+    looks = tuple(asked_at(time, scenario) for time in look)
     while True:
         simulation = Simulation(scenario, seed)
         with (
             stage(submission, scenario, arguments, files) as staged,
             launcher.host(staged.folder) as link,
         ):
-            recorder = Recorder(staged.called, stamped=stamped, most=limits.published)
+            recorder = Recorder(staged.called, stamped=stamped, most=limits.published, looks=looks)
             trial = _Trial(simulation, recorder, link, charged=charge_compute)
             trial.interrupt = interrupt
             start = Start(
@@ -147,6 +151,7 @@ def run_trial(
                 discovery=_discovery(scenario),
                 keys=keys,
                 env=tuple(env),
+                look=looks,
             )
             try:
                 outcome = link.converse(trial.conversation(start, limits))
@@ -320,6 +325,7 @@ class _Trial:
         self._at = reached / 1e9
         recorder.note_endpoints(answer.endpoints)
         recorder.note(answer.notes)
+        recorder.look(answer.moments)
         commands = recorder.hear(answer.published, began, reached)
         self._waited += cost.waited
         recorder.compute.append((began / 1e9, cost.wall, cost.cpu, cost.queued))
@@ -339,6 +345,11 @@ class _Trial:
 
     def _outcome(self, kind: str, text: str, detail: str = "") -> Outcome:
         return Outcome(kind, text, self._at, detail)
+
+
+def asked_at(time: float, scenario: Scenario) -> int:
+    """Return the moment [ns] at a time [s] of a scenario, the last of it if that is later."""
+    return max(0, min(round(time * 1e9), round(scenario.duration * 1e9) - 1))
 
 
 def _discovery(scenario: Scenario) -> Discovery:

@@ -31,7 +31,7 @@ import msgspec
 
 from . import advice as advice_module
 from . import imports, scripts, stand_ins
-from .frames import ENTERED, REFUSED, Birth, Clear, Done, Fault, Furnish, Hello, Request
+from .frames import ENTERED, REFUSED, Birth, Clear, Done, Fault, Furnish, Hello, Moment, Request
 from .kinds import LIVE, NODES, TESTS
 from .virtual import kernel as kernel_module
 from .virtual import threads
@@ -294,6 +294,9 @@ def run_trial(kernel: kernel_module.Kernel, epoch: int, wire: Wire) -> None:
     trial.clocks = executors.install(kernel, epoch, trial.bridge)
     trial.bridge.tell_rosout(trial.clocks.present, lambda: trial.turns.take(2))
     executors.refuse_real_time(trial.leave_for_real_time)
+    if start.look:  # KeyError: this launcher's hosts can't
+        trial.looker = sys.modules[Moment.LIBRARY].Looker(start.look, kernel)
+        trial.looker.install()
     _steer_init()
     trial.mark()
     trial.turns.install()

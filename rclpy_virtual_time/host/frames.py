@@ -20,6 +20,7 @@ MAX_CONNECTED = 1_000  # in a pulse: ends of a program
 MAX_LEAD = 20_000_000_000  # [ns] that a program may sleep before the scenario begins
 MAX_TEXT = 20_000  # [characters] of one error text or traceback
 MAX_NAME = 256  # [characters] of a topic, type or node name (ROS itself stops at 255)
+MAX_LOOKS = 20  # moments of one run
 LENGTH = struct.Struct("<I")
 # In stdout and stderr, followed by the time [ns]: what comes next was said then. ".7" after that
 # says that it was the stream's seventh turn at that time.
@@ -88,6 +89,8 @@ class Start(msgspec.Struct, frozen=True, tag="start"):
     discovery: Discovery = Discovery()  # by default all is found at once
     keys: Annotated[bytes, msgspec.Meta(max_length=MAX_KEYS)] = b""  # what somebody types, instead
     env: tuple[tuple[Name, Text], ...] = ()  # of the programs' environment: name and value
+    # [ns] to look into; the launcher has to have imported `Moment.LIBRARY`, as no grader's has
+    look: Annotated[tuple[Nanoseconds, ...], msgspec.Meta(max_length=MAX_LOOKS)] = ()
 
 
 class Question(msgspec.Struct, array_like=True, frozen=True):
@@ -187,6 +190,74 @@ class Note(msgspec.Struct, array_like=True, frozen=True):
 Notes = Annotated[list[Note], msgspec.Meta(max_length=Note.MOST)]
 
 
+class Value(msgspec.Struct, array_like=True, frozen=True):
+    """A variable of a program, in words."""
+
+    MOST: ClassVar = 40  # in one place
+
+    name: Name
+    text: Name
+    before: Name = ""  # what it was when the callback began; "": it was not there
+
+
+Values = Annotated[list[Value], msgspec.Meta(max_length=Value.MOST)]
+
+
+class Place(msgspec.Struct, array_like=True, frozen=True):
+    """A function of a program under way: where it stands ("node.py, line 12"), and its locals."""
+
+    MOST: ClassVar = 4  # of a moment's stack, the innermost first
+
+    function: Name
+    line: Name
+    values: Values = []
+
+
+Places = Annotated[list[Place], msgspec.Meta(max_length=Place.MOST)]
+
+
+class Sending(msgspec.Struct, array_like=True, frozen=True):
+    """A message that left a program."""
+
+    time: Nanoseconds
+    topic: Name
+    text: Text  # the message
+    places: Places
+    by: Name = ""  # a thread, or an earlier callback; "": the callback itself
+
+
+class Moment(msgspec.Struct, array_like=True, frozen=True):
+    """The last callback of a program that had begun by a time, in a drive in which that is asked.
+
+    Nothing of it is judged: a program may have made it up.
+    """
+
+    LIBRARY: ClassVar = "rclpy_virtual_time.host.look"
+    MOST: ClassVar = 10  # messages that left meanwhile
+
+    asked: Nanoseconds
+    program: Nanoseconds  # counted as in `Start`
+    time: Nanoseconds  # when it began
+    lasted: Nanoseconds | None  # [ns]; None: it was not over when the run was
+    kind: Annotated[
+        str, msgspec.Meta(pattern="^(subscription|timer|service|answer|task|other|program)$")
+    ]
+    about: Name  # the topic, the timer's period, the service
+    node: Name
+    place: Place  # the function, and where it begins
+    message: Name  # the class of what came ...
+    fields: Values  # ... and its fields; of what has none, all of it without a name
+    values: Values  # of the node, and of what else the function keeps
+    sent: Annotated[list[Sending], msgspec.Meta(max_length=MOST)]
+    more: Nanoseconds  # how many more it sent
+    answered: Text  # by a service
+    raised: Text
+    raised_in: Places
+
+
+Moments = Annotated[list[Moment], msgspec.Meta(max_length=500)]
+
+
 class Settled(msgspec.Struct, frozen=True, tag="settled"):
     """All that the node has to do until `now` is done."""
 
@@ -200,6 +271,7 @@ class Settled(msgspec.Struct, frozen=True, tag="settled"):
     asked: Annotated[list[Question], msgspec.Meta(max_length=MAX_QUESTIONS)] = []
     starting: bool = False  # the program starts up, before the scenario, and waits for an answer
     notes: Notes = []  # new or changed ones
+    moments: Moments = []  # as much as is known by now
 
 
 class Ended(msgspec.Struct, frozen=True, tag="ended"):
@@ -217,6 +289,7 @@ class Ended(msgspec.Struct, frozen=True, tag="ended"):
     published: Annotated[list[Published], msgspec.Meta(max_length=MAX_PUBLISHED)]
     endpoints: Annotated[list[EndpointReport], msgspec.Meta(max_length=MAX_ENDPOINTS)] = []
     notes: Notes = []
+    moments: Moments = []
 
 
 class TuneIn(msgspec.Struct, frozen=True, tag="tune_in"):

@@ -12,6 +12,7 @@ from typing import Protocol, TypeAlias, TypeVar
 
 import msgspec
 
+from rclpy_virtual_time.host import frames
 from rclpy_virtual_time.host.frames import (
     Carried,
     Ended,
@@ -71,6 +72,7 @@ class Link:
     """Frames to and from one host, in turns: it answers each question once."""
 
     Cost: TypeAlias = exchange.Cost
+    Moment: TypeAlias = frames.Moment
 
     def __init__(self, host: Transport) -> None:
         self._host = host

@@ -61,14 +61,14 @@ export function makeEditor({ parent, text, label, onChange, words }) {
     set text(value) {
       view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: value } });
     },
-    mark(line, message) {
+    mark(line, message, severity) {
       if (!line || line > view.state.doc.lines) {
         view.dispatch(setDiagnostics(view.state, []));
         return;
       }
       const { from: start, to, text: code } = view.state.doc.line(line);
       const from = start + code.search(/\S|$/);
-      view.dispatch(setDiagnostics(view.state, [{ from, to, severity: 'error', message }]));
+      view.dispatch(setDiagnostics(view.state, [{ from, to, severity, message }]));
       view.dispatch({ effects: EditorView.scrollIntoView(from, { y: 'center' }) });
     },
     focus() { view.focus(); },

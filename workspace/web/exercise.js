@@ -289,7 +289,7 @@ export class Exercise extends Workspace {
     text.querySelectorAll('.workspace-block, .headerlink').forEach((part) => part.remove());
     text.querySelectorAll('[id]').forEach((part) => part.removeAttribute('id'));
     text.querySelectorAll('a').forEach((link) => { link.target = '_blank'; });
-    this.hand.element.hidden = true;
+    [this.hand, this.look].forEach(({ element }) => { element.hidden = true; });
     this.replay.replaceChildren(el('div', { class: 'ws-task', tabindex: 0, 'aria-label': 'The task' }, text));
     this.show('replay');
   }

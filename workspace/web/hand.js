@@ -38,7 +38,7 @@ export class Hand {
         seek(this.at);
       } });
     this.body = el('div', { class: 'ws-hand-body' });
-    this.element = el('details', { class: 'ws-hand', 'data-pane': 'replay', hidden: true },
+    this.element = el('details', { class: 'ws-below ws-hand', 'data-pane': 'replay', name: 'ws-below', hidden: true },
       el('summary', {}, 'By hand', this.moment), el('div', { class: 'ws-moment' }, this.slider), this.body);
   }
 

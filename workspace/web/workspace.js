@@ -6,6 +6,7 @@ import { el } from './element.js';
 import { Hand } from './hand.js';
 import { keepForLater } from './keep.js';
 import { packed, stand, unpacked } from './links.js';
+import { Look } from './look.js';
 import { PATIENCE, Stopped } from './machine.js';
 import { Shelf, joined, split } from './shelf.js';
 
@@ -61,6 +62,7 @@ export class Workspace {
     this.shelf = new Shelf(shelf);
     this.whyNot = whyNot(what, threads);
     this.busy = false;
+    this.runs = {}; // by scenario: how each was made
   }
 
   /** What stands in the address bar while it is open. */
@@ -78,13 +80,15 @@ export class Workspace {
     this.fileTabs = this.names.map((name) => button(name, () => this.showFile(name), { 'aria-pressed': 'false' }));
     if (this.names.length > 1) this.code.append(el('nav', { class: 'ws-files', 'aria-label': 'Files' }, this.fileTabs));
     this.replay = el('div', { class: 'ws-replay', 'data-pane': 'replay' }, el('p', { class: 'ws-empty' }, empty));
+    const seek = (moment) => tell(this.replay.querySelector('iframe'), { from: moment, stays: true });
     this.hand = new Hand({
       act: (from) => this.drive(from),
-      seek: (moment) => tell(this.replay.querySelector('iframe'), { from: moment, stays: true }),
+      seek,
       save: (name, content) => this.save(name, content, 'application/toml'),
       say: (text) => this.say(text),
       commandOf: (file) => this.commandOf(file),
     });
+    this.look = new Look({ seek, run: (...what) => this.lookInto(...what), mark: (...what) => this.markPlace(...what) });
     this.log = el('pre', { class: 'ws-log', hidden: true, tabindex: 0, 'aria-label': 'What Python said' });
     this.stale = el('p', { class: 'ws-stale', hidden: true }, 'Said before your last change:');
     this.tabs = ['code', 'replay', 'result'].map((name, i) => button(names[i],
@@ -104,7 +108,7 @@ export class Workspace {
         button('Close', () => this.dialog.close(), { class: 'ws-close' })),
       el('div', { class: 'ws-news' }, this.status, this.stopButton, this.question, this.warning),
       el('nav', { class: 'ws-tabs', 'aria-label': 'Show' }, this.tabs),
-      el('div', { class: 'ws-panes' }, this.code, this.replay, this.hand.element,
+      el('div', { class: 'ws-panes' }, this.code, this.replay, this.hand.element, this.look.element,
         el('div', { class: 'ws-result', 'data-pane': 'result', role: 'region', tabindex: 0, 'aria-label': names[2] }, this.stale, result, this.log)));
     addEventListener('keydown', (event) => { // before the editor
       if (!this.press(event)) return;
@@ -115,6 +119,7 @@ export class Workspace {
       if (source !== this.replay.querySelector('iframe')?.contentWindow) return;
       this.press(data?.pressed ?? {}); // in the replay
       this.hand.hear(data ?? {});
+      this.look.hear(data ?? {});
     });
     document.body.append(this.dialog);
     this.mains = [...this.dialog.querySelectorAll('.ws-main')];
@@ -232,7 +237,7 @@ export class Workspace {
 
   hear(hand, { kind, text, seconds }) {
     if (kind === 'progress' && hand === this.machine.first) this.say(text);
-    if (kind === 'out') {
+    if (kind === 'out' && !this.again) {
       this.log.hidden = false;
       this.log.textContent = `${this.log.textContent}${text}\n`.slice(-20000);
     }
@@ -304,12 +309,41 @@ export class Workspace {
     const { file = this.names[0] } = order;
     const files = split(text, this.skeletons);
     const [ended, recordings] = await hand.call(call, { ...order, file: `${FOLDER}/${file}` }, { files, recordings: kept });
-    return 'lead' in ended ? this.run(hand, call, { ...order, lead: ended.lead }, text, recordings) : [ended, recordings];
+    if ('lead' in ended) return this.run(hand, call, { ...order, lead: ended.lead }, text, recordings);
+    if (!order.look) this.runs[ended.scenario] = [call, order, text, kept];
+    return [ended, recordings];
+  }
+
+  /** Make a run of the replay again, to look into moments [s] of it; return what is told of them. */
+  async lookInto(number, at) {
+    const [call, order, text, kept] = this.runs[this.playing[number]];
+    let tables;
+    if (this.busy) return tables;
+    await this.work(async () => {
+      this.again = true; // what it prints is known
+      try {
+        const hand = await this.machine.ready();
+        hand.doing = 'Once more, to look into it';
+        [{ tables }] = await this.run(hand, call, { ...order, look: at }, text, kept);
+      } finally {
+        this.again = false;
+      }
+      return `What ran by ${at.map((moment) => `${moment.toFixed(2)} s`).join(' and ')} stands below the replay.`;
+    });
+    return this.text === text ? tables : tables?.map((table) => ({ ...table, place: '' }));
+  }
+
+  /** Mark a place, "node.py, line 12", if it is in the editors. */
+  markPlace(place, message) {
+    const [, file, line] = /^(.*), line (\d+)$/.exec(place) || [];
+    if (!(file in this.editors)) return;
+    this.unmark();
+    this.markLine(Number(line), message, file, 'info');
   }
 
   /** Show the replay of a drive; return in a sentence how it ended. */
   async showDrive(ended, scenario, recordings, title, from) {
-    await this.play([scenario], [], recordings, title, { play: ended.kind === 'completed', from, hands: true });
+    await this.play([scenario], [], recordings, title, { play: ended.kind === 'completed', from });
     this.hand.show(ended, recordings);
     const answer = from === undefined ? '' : this.hand.answer; // of a deed, and not said again
     if (ended.kind === 'completed') return [`${answer}Driven to the end of ${scenario}.`, ...ended.ended.map((said) => `${said}.`)].join(' ');
@@ -321,10 +355,12 @@ export class Workspace {
   async play(scenarios, checks, recordings, title, how = {}) {
     const [html] = await this.machine.call('replay', { scenarios, checks, title }, { recordings });
     const frame = el('iframe', { title: 'Replay', sandbox: 'allow-scripts' });
-    frame.addEventListener('load', () => tell(frame, how));
+    frame.addEventListener('load', () => tell(frame, { hands: true, ...how }));
     frame.srcdoc = html;
     this.replay.replaceChildren(frame);
     this.hand.element.hidden = true;
+    this.playing = scenarios;
+    this.look.begin();
   }
 
   /** Mark the line that was being run when a check failed, or the one that led to the last message before. */
@@ -335,9 +371,9 @@ export class Workspace {
     else if (line) this.markLine(line, `${message}. The last message before that came from this line.`, file);
   }
 
-  markLine(line, message, file = this.file) {
+  markLine(line, message, file = this.file, severity = 'error') {
     this.showFile(file);
-    this.editor.mark(line, message);
+    this.editor.mark(line, message, severity);
   }
 
   unmark() { Object.values(this.editors).forEach((editor) => editor.mark(0)); }

@@ -54,7 +54,7 @@ function followFrame({ data }) {
   if (theme === 'light' || theme === 'dark') root.dataset.theme = theme;
   else delete root.dataset.theme;
   document.dispatchEvent(new CustomEvent('themechange'));
-  const say = (news) => parent.postMessage({ ...news, duration: window.replayPlayer.duration }, '*');
+  const say = (news) => parent.postMessage({ ...news, duration: window.replayPlayer.duration, run: window.replayPlayer.run }, '*');
   if (hands) window.replayPlayer?.tell((at) => say({ at }), (place) => say({ place }));
   if (Number.isFinite(from)) goOn(from, stays);
   else if (play) playSmall(new Set(['play']));

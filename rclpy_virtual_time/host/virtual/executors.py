@@ -163,7 +163,7 @@ def _install_wait(kernel: Kernel, bridge: Graph) -> None:
             self._course_waits = None
         if found is None:
             raise TimeoutException
-        found[0]._course_entity = found[1]
+        found[0]._course_entity, found[0]._course_node = found[1:]
         return found
 
     EXECUTOR.wait_for_ready_callbacks, EXECUTOR.can_execute = virtual_wait, _may_execute

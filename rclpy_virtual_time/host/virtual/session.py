@@ -59,6 +59,7 @@ class Session(kernel_module.World):
         self.charge_compute = False  # from the scenario's start on
         self.ending = False  # the scenario is over, and the programs have been sent SIGINT
         self.interrupt: Callable[[], None] = lambda: None  # sends it
+        self.looker: Any = None  # in a drive in which somebody looks into moments
         self._numbers = itertools.count()
         self._questions: list[Question] = []  # that the judge has not been told of
         self._agreed = 0  # [ns] what `until` was when the first of them was asked
@@ -165,6 +166,7 @@ class Session(kernel_module.World):
                 endpoints=bridge.new_endpoints(),
                 asked=self._take_questions(),
                 notes=self._take_notes(),
+                moments=self.looker.news() if self.looker else [],
             )
         )
         self._looks = self.kernel.looks
@@ -198,6 +200,7 @@ class Session(kernel_module.World):
                 published=self.bridge.take(),
                 endpoints=self.bridge.new_endpoints(),
                 notes=self._take_notes(),
+                moments=self.looker.news(all=True) if self.looker else [],
             )
         self._wire.send(frame)
         self.ending = True  # of all

@@ -17,6 +17,8 @@ from rclpy_virtual_time.host.frames import (
     MAX_PUBLISHED,
     Ended,
     EndpointReport,
+    Moment,
+    Place,
     Published,
     Slept,
     encode,
@@ -86,6 +88,8 @@ TIMES = {
     "early for ever": [encode(Slept(10**9))],
     "early in the middle": [settled(), encode(Slept(10**9))],
     "two answers": [settled() + settled(FIRST)],
+    "a moment that nobody looks into": [settled(), settled(FIRST, moments=[Moment(
+        0, 0, 0, 0, "task", "", "", Place("f", ""), "", [], [], [], 0, "", "", [])])],
     "another kind of end": [frame({"type": "ended", "now": 0, "kind": "completed", "text": "",
                                    "detail": "", "published": []})],
 }  # fmt: skip
