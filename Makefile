@@ -122,10 +122,11 @@ notebooks: $(VENV)/.dev ## run every notebook, and the nbgrader course with seve
 students: $(VENV)/.dev ## grade right solutions in the worlds of 200 students (up to two hours)
 	COURSE_STUDENTS=200 $(PYTEST) tests/grader/authoring/test_fairness.py
 
-skeletons: $(VENV)/.dev ## make anew what is generated and in git: skeletons, tables, pitfalls
+skeletons: $(VENV)/.dev ## make anew what is generated and in git: skeletons, tables, pitfalls, ghosts
 	$(BIN)/python -m grader.course.skeletons
 	$(BIN)/python -m grader.authoring.tables
 	$(BIN)/python -m grader.authoring.pitfalls --made
+	$(BIN)/python -m grader.authoring.ghosts
 
 # soupsieve 3 wants Python 3.11.5, and Debian 12 has 3.11.2
 constraints: ## pin the newest versions that fit pyproject.toml

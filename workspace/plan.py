@@ -11,7 +11,9 @@ import pytest
 
 from grader.course.exercises import Exercise
 from grader.course.submission import LAUNCH
+from grader.drive.race import unit_of
 from grader.errors import GraderError
+from grader.exercises import contract_of
 from grader.grading.grading import UNUSED_PLUGINS, grade
 from grader.grading.plugin import UNAVAILABLE
 from grader.trial.page import PageTrials
@@ -91,6 +93,8 @@ def plan(exercise: Exercise) -> dict[str, Any]:
         "points": exercise.max_points,
         "checks": checks,
         "scenarios": {each.name: each.title for each in scenarios},
+        "race": {name: load_scenario(name).title for name in contract_of(exercise).race},
+        "unit": unit_of(exercise),  # of the race's figures
         "here": sum(check["points"] for check in checks if check["scenarios"]),  # points in a page
         "alone": sum(check["points"] for check in checks if check["alone"]),  # without threads
     }

@@ -274,13 +274,28 @@ class Runtime:
     def replay(self, order: str) -> str:
         """Return the page with the replays of `scenarios`, for a frame.
 
-        With `checks`, objects of a grading, it opens at the moment of the first that failed.
+        With `checks`, objects of a grading, it opens at the moment of the first that failed;
+        `ghosts` drive along, by the scenarios (`grader.report.replay.Ghosts`).
         """
         from grader.report.page import embedded_payload, page_html
 
         wanted = json.loads(order)
         shown = [self._load(name)[0] for name in wanted["scenarios"]]
-        return page_html(embedded_payload(wanted.get("checks", ()), shown, wanted["title"]))
+        checks, ghosts = wanted.get("checks", ()), wanted.get("ghosts")
+        return page_html(embedded_payload(checks, shown, wanted["title"], ghosts))
+
+    def race(self, order: str) -> str:
+        """Return the lap and the track (`grader.drive.race`) of each recording of `scenarios`."""
+        import msgspec
+
+        from grader.course.exercises import find_exercise
+        from grader.drive.race import lap_of, track_of
+        from grader.exercises import contract_of
+
+        wanted = json.loads(order)
+        contract = contract_of(find_exercise(wanted["exercise"]))
+        driven = [self._load(name)[0] for name in wanted["scenarios"]]
+        return msgspec.json.encode([[lap_of(r, contract), track_of(r)] for r in driven]).decode()
 
     def _grading(self, wanted: dict[str, Any]) -> Grading:
         from grader.course.exercises import find_exercise

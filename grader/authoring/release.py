@@ -30,7 +30,7 @@ LESSONS = "lessons"
 MADE = ("build", "dist", "_ros")  # folders that are made when they are needed
 KEPT = {
     "sim": (".py", ".toml", *PACKAGE),
-    "grader": (".py", ".toml", ".xml", ".js", ".css", ".html", ".npz"),
+    "grader": (".py", ".toml", ".xml", ".js", ".css", ".html", ".npz", ".json"),
     "exercises": (".py", ".md", ".toml", *PACKAGE),
     "rclpy_virtual_time": (".py", ".xml"),
     "rclpy_portable": (".py",),

@@ -40,6 +40,7 @@ class Contract:
     supervises: bool = False  # they have a model that never brakes, and emergency stops
     nodes: tuple[NodeSpec, ...] = (NodeSpec(),)  # what the node finds there: its models
     search_for: float = 9.0  # [s] that a searched world lasts
+    race: tuple[str, ...] = ()  # the scenarios of three worlds, for a node that chooses its speed
 
 
 def free_from(distance: float) -> Free:

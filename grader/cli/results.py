@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ from grader.report.echo import echo, write
 if TYPE_CHECKING:
     from grader.grading.grading import Grading
     from grader.recording import Recording
+    from grader.report.replay import Ghosts
 
 FULL, LESS, FAULT = 0, 1, 2  # exit codes
 JSON_STDOUT = "-"
@@ -73,11 +75,13 @@ def write_report(
     title: str,
     *,
     opens_at: float | None = None,
+    ghosts: Mapping[str, Ghosts] | None = None,
     quiet: bool = False,
 ) -> None:
     """Write an HTML report with a replay of each recording (see `page_payload`)."""
     from grader.report.page import page_html, page_payload  # noqa: PLC0415
 
-    path.write_text(page_html(page_payload(grading, recordings, title, opens_at)), "utf-8")
+    payload = page_payload(grading, recordings, title, opens_at, ghosts)
+    path.write_text(page_html(payload), "utf-8")
     if not quiet:
         echo(f"Report with replays: {path}")

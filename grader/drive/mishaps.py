@@ -42,13 +42,18 @@ def mishap_of(recording: Recording, contract: Contract) -> Mishap | None:
     outcome = recording.outcome
     if outcome.kind in UNFIT:
         raise InputError(f"the node can't be looked at: {outcome.text}")
-    at_once = (_death(recording), _touch(recording), _excess(recording, contract))
-    found = [mishap for mishap in at_once if mishap is not None]
-    if found:
-        return min(found, key=lambda mishap: (mishap.at, KINDS.index(mishap.kind)))
+    if harm := harm_of(recording, contract):
+        return harm
     if contract.free is None:
         return _lost(recording)
     return _stands(recording, contract.free, contract.patience)
+
+
+def harm_of(recording: Recording, contract: Contract) -> Mishap | None:
+    """Return the first death, touch or command beyond a limit, if any."""
+    at_once = (_death(recording), _touch(recording), _excess(recording, contract))
+    found = [mishap for mishap in at_once if mishap is not None]
+    return min(found, key=lambda each: (each.at, KINDS.index(each.kind)), default=None)
 
 
 def _death(recording: Recording) -> Mishap | None:

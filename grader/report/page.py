@@ -15,7 +15,7 @@ import numpy as np
 
 from grader.report.facts import in_order
 from grader.report.graph import graph_html
-from grader.report.replay import moments_of, replay_payload
+from grader.report.replay import Ghosts, moments_of, replay_payload
 from rclpy_virtual_time import readable
 
 if TYPE_CHECKING:
@@ -54,17 +54,22 @@ def page_payload(
     recordings: Sequence[Recording],
     title: str,
     opens_at: float | None = None,
+    ghosts: Mapping[str, Ghosts] | None = None,
 ) -> JsonDict:
     """Return the payload of `page_html`: a grading (None for `course drive`) and its recordings.
 
     Without a grading the page opens at `opens_at` [s] of the first recording, if that is given.
+    `ghosts` drive along in a scenario's replay.
     """
     checks = in_order(grading["checks"]) if grading else []
+    beside = (ghosts or {}).get
     failed = {check["scenario"] for check in checks if check["outcome"] == "fail"}
     return {
         "grading": {**grading, "checks": checks} if grading else None,
         "replays": [
-            replay_payload(recording, moments_of(checks, recording.scenario.name))
+            replay_payload(
+                recording, moments_of(checks, recording.name), beside(recording.name, ())
+            )
             for recording in recordings
         ],
         # a run may leave out what an end would hear: it is no fault where all checks of it passed
@@ -76,10 +81,13 @@ def page_payload(
 
 
 def embedded_payload(
-    checks: Sequence[Mapping[str, Any]], recordings: Sequence[Recording], title: str
+    checks: Sequence[Mapping[str, Any]],
+    recordings: Sequence[Recording],
+    title: str,
+    ghosts: Mapping[str, Ghosts] | None = None,
 ) -> JsonDict:
     """Return only the replays, for a frame in a notebook; it opens at the first moment."""
-    page = page_payload({"checks": checks}, recordings, title)
+    page = page_payload({"checks": checks}, recordings, title, ghosts=ghosts)
     return {**page, "grading": None, "embedded": True}
 
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from sim.layout import Cart
 
 JsonDict = dict[str, Any]
+Ghosts = Sequence[tuple[str, Mapping[str, Sequence[float]]]]  # names; tracks: t [s], x, y [m], yaw
 
 TRUTH_RATE = 20.0  # [Hz] half of what the eye needs at 2x speed; the player interpolates
 SCAN_RATE = 10.0  # [Hz]
@@ -39,7 +40,9 @@ PLUS_INF, MINUS_INF, NOT_A_NUMBER = 65535, 65534, 65533
 LONGEST_MM = 65532
 
 
-def replay_payload(recording: Recording, moments: Sequence[Mapping[str, Any]]) -> JsonDict:
+def replay_payload(
+    recording: Recording, moments: Sequence[Mapping[str, Any]], ghosts: Ghosts = ()
+) -> JsonDict:
     """Return a run for the player: world, truth, commands, scans, goals, log, failing moments.
 
     It is downsampled (truth to 20 Hz, scans to 10 Hz and 360 beams) to keep reports small.
@@ -64,6 +67,7 @@ def replay_payload(recording: Recording, moments: Sequence[Mapping[str, Any]]) -
         "scans": _scans(recording.scans()),
         "goals": _goals(recording),
         "deeds": _deeds(recording),
+        "ghosts": [{"name": name, **track} for name, track in ghosts],
         "log": _log(recording),
         "compute": _compute(recording),
         "outcome": {

@@ -2,9 +2,9 @@
 
 `forked.py FOLDER` has the page's files from FOLDER, and no others of the course; with `alone` after
 it no threads, as in a browser without JSPI. It reads orders from stdin, a JSON object each, and
-prints what came of it: of one with `exercise`, `file`, `others` and `scenarios` the grading, of
-another, to `tell` or with `arguments`, what the page says of the drive. The recordings stay in
-FOLDER.
+prints what came of it: of one with `exercise`, `file`, `others` and `scenarios` the grading, or
+the race if it is to `tell`; of another, to `tell` or with `arguments`, what the page says of the
+drive. The recordings stay in FOLDER.
 """
 
 from __future__ import annotations
@@ -68,14 +68,17 @@ def forked(call: Callable[[str], str], **order: object) -> str:
 
 
 def graded(page: runtime.Runtime, order: dict[str, object], scenarios: list[str]) -> str:
-    """Drive and judge as the page's worker does."""
+    """Drive and judge, or race, as the page's worker does."""
+    races = "tell" in order
     for number, scenario in enumerate(scenarios):
         trial = {"file": order["file"], "others": order["others"], "scenario": scenario}
-        trial |= {"interrupt": number == 0, "seed": order["seed"]}
+        how = {"interrupt": number == 0, "seed": order.get("seed")}
+        trial |= {"tell": True} if races else how
         outcome = json.loads(forked(page.trial, **trial))
         while "lead" in outcome:
             outcome = json.loads(forked(page.trial, **trial, **outcome))
-    return forked(page.judge, exercise=order["exercise"], file=order["file"], scenarios=scenarios)
+    call = page.race if races else page.judge
+    return forked(call, exercise=order["exercise"], file=order["file"], scenarios=scenarios)
 
 
 def driven(page: runtime.Runtime, order: dict[str, object]) -> str:

@@ -51,6 +51,8 @@ export class Exercise extends Workspace {
     this.score = el('div', { class: 'ws-score' }, `Practice. ${runsHere(plan)} `
       + 'Your instructor’s grade comes from the real rclpy on Linux.');
     this.changesButton = button('Changes', () => this.changes(), { title: 'Since the last version that passed all checks' });
+    const raced = Object.keys(plan.race).length ? el('div', { class: 'ws-tools ws-racing' },
+      button('Race', () => this.race(), { class: 'ws-main' }), 'in three worlds, beside the reference') : '';
     this.build({
       label: `Workspace: exercise ${plan.number}, ${plan.title}`,
       title: `${plan.number}. ${plan.title}`,
@@ -61,7 +63,7 @@ export class Exercise extends Workspace {
         button('Check', () => this.check(), { title: 'Ctrl-Shift-Enter; with a seed, in other worlds', class: 'ws-main' }),
       ],
       fileTools: [button('Task', () => this.showTask(), { title: 'What is to be done' }), this.changesButton],
-      result: [this.score, el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)))],
+      result: [this.score, raced, el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)))],
       names: ['Code', 'Replay', 'Checks'],
       empty: 'Drive the node, or check it: its run is shown here.',
     });
@@ -161,6 +163,16 @@ export class Exercise extends Workspace {
         this.fill(await this.judge(hand, only), only);
       }
       return true;
+    });
+  }
+
+  /** Race in three worlds. */
+  race() {
+    if (this.busy || !this.isThere() || this.whyNot) return null;
+    this.unmark();
+    return this.work(async () => {
+      const race = await import(new URL('race.js', import.meta.url)).catch(() => null);
+      return race ? race.race(this) : 'The server did not send what a race needs. Reload the page.';
     });
   }
 

@@ -77,6 +77,14 @@ export class Shelf {
     this.save();
   }
 
+  /** The reader's best in each world of a race, by the world: its lap and its track. */
+  get bests() { return this.kept.race && typeof this.kept.race === 'object' ? this.kept.race : {}; }
+
+  keepBest(world, best) {
+    this.kept.race = { ...this.bests, [world]: best };
+    this.save();
+  }
+
   get green() { return typeof this.kept.green?.text === 'string' ? this.kept.green : null; }
 
   save() {

@@ -119,7 +119,7 @@ class Browser:
 page = runtime.warm("${RECORDINGS}", reached, ${threads ? 'Browser' : 'None'})
 `);
   const page = python.globals.get('page');
-  for (const name of ['trial', 'drive', 'judge', 'replay', 'thread']) calls[name] = page[name];
+  for (const name of ['trial', 'drive', 'judge', 'replay', 'race', 'thread']) calls[name] = page[name];
   image = python._module.HEAPU8.slice();
   top = python._module.stackSave();
 }

@@ -351,9 +351,9 @@ export class Workspace {
     return `${answer}${scenario} ended early: ${ended.text}`;
   }
 
-  /** Show replays; `how` is what their frame is told. */
-  async play(scenarios, checks, recordings, title, how = {}) {
-    const [html] = await this.machine.call('replay', { scenarios, checks, title }, { recordings });
+  /** Show replays; `how` is what their frame is told, `ghosts` drive along. */
+  async play(scenarios, checks, recordings, title, how = {}, ghosts = {}) {
+    const [html] = await this.machine.call('replay', { scenarios, checks, title, ghosts }, { recordings });
     const frame = el('iframe', { title: 'Replay', sandbox: 'allow-scripts' });
     frame.addEventListener('load', () => tell(frame, { hands: true, ...how }));
     frame.srcdoc = html;

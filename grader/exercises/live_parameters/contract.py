@@ -29,7 +29,7 @@ Settings = dict[str, str | bool | int | float]
 RANGES = {"cruise_speed": (0.0, 0.5), "stop_distance": (0.3, 2.0), "slow_distance": (0.3, 4.0)}
 DEFAULTS: Settings = {"cruise_speed": 0.3, "stop_distance": 0.5, "slow_distance": 1.0}
 DOUBLE = 3  # of rcl_interfaces/msg/ParameterType
-CONTRACT = Contract(free=free_from(0.55))
+CONTRACT = Contract(free=free_from(0.55), race=("avoid_corridor", "avoid_cart", "avoid_store"))
 SET = "/live_parameters_agent/set_parameters"
 UNSAFE = (
     "Is every value of the command line checked, its type, its range, and whether the two distances"

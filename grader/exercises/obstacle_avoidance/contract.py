@@ -17,7 +17,7 @@ SLOW_SPEED = 0.15  # [m/s]
 CLEARANCE = 0.2  # [m] between the robot's edge and anything else
 
 FREE = free_from(0.55)
-CONTRACT = Contract(free=FREE, search_for=8.0)
+CONTRACT = Contract(free=FREE, search_for=8.0, race=("avoid_corridor", "avoid_cart", "avoid_store"))
 
 
 def cases(recording: Recording) -> list[Case]:

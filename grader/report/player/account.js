@@ -25,7 +25,9 @@ function startEvents(replay) {
   const pose = poseAt(replay.truth, 0);
   const where = pose ? `The robot starts at ${place(pose)}, heading ${degrees(pose.yaw)}`
     : 'The run starts; the position of the robot is not known';
-  return [{ t: 0, kind: 'start', text: `${where}.` }];
+  const names = replay.ghosts.map(({ name }) => name).join(', ');
+  const beside = names ? ` Outlines show other runs beside it: ${names}.` : '';
+  return [{ t: 0, kind: 'start', text: `${where}.${beside}` }];
 }
 
 function commandEvents({ commands, duration }) {

@@ -61,6 +61,7 @@ function boundsOf(replay) {
     add(replay.truth.x[i], replay.truth.y[i], bare ? EMPTY_VIEW : 3 * replay.radius);
   });
   for (const { pose } of replay.carts) pose.t.forEach((_, i) => add(pose.x[i], pose.y[i], 0.5));
+  for (const { pose } of replay.ghosts) pose.t.forEach((_, i) => add(pose.x[i], pose.y[i], 3 * replay.radius));
   for (const goal of replay.goals) add(goal.x, goal.y, GOAL_TOLERANCE);
   if (!Number.isFinite(box.x0)) add(0, 0, EMPTY_VIEW);
   return box;

@@ -281,6 +281,22 @@ function drawRobot({ ctx, camera, colours, calm }, replay, time) {
   }
 }
 
+const DASHES = [[], [5, 4], [2, 3], [9, 3, 2, 3]]; // of the first ghost, the second, …
+
+/** Robots of other runs: outlines, a little wider than the robot, so that none hides it. */
+function drawGhosts({ ctx, camera, colours }, replay, time) {
+  replay.ghosts.forEach(({ pose: series }, i) => {
+    const pose = poseAt(series, time);
+    if (!pose) return;
+    const centre = camera.toScreen(pose.x, pose.y);
+    const radius = Math.max(replay.radius * camera.scale, 6) + 3;
+    ring(ctx, centre, radius, colours.ink, 1.5, DASHES[i]);
+    ctx.beginPath(); // where it looks
+    for (const length of [0.5, 1.35]) ctx.lineTo(centre[0] + length * radius * Math.cos(pose.yaw), centre[1] - length * radius * Math.sin(pose.yaw));
+    ctx.stroke();
+  });
+}
+
 function drawHeading(ctx, [x, y], yaw, radius, colour) {
   const tip = (angle, length) => [x + length * Math.cos(yaw + angle), y - length * Math.sin(yaw + angle)];
   ctx.beginPath();

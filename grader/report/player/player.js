@@ -77,8 +77,9 @@ class Player {
     parts.head.detail.hidden = !replay.outcome.detail;
     parts.stage.canvas.setAttribute('aria-label',
       `Map of the run ${replay.title.slice(0, 200)}. The run is described in words below.`);
-    replaceChildren(parts.stage.legend, el('span', {}, '0'), el('i', {}),
-      el('span', {}, `${fixed(replay.maxSpeed)} m/s`));
+    replaceChildren(parts.stage.legend,
+      replay.ghosts.map(({ name }, i) => el('span', { class: `ghost is-${i}` }, name)),
+      el('span', {}, '0'), el('i', {}), el('span', {}, `${fixed(replay.maxSpeed)} m/s`));
     parts.transport.moments.forEach((button) => { button.disabled = !replay.moments.length; });
     for (const part of [parts.timeline, parts.log, this.world, this.plot]) part.setReplay(replay);
     this.showGraph();
@@ -222,7 +223,9 @@ class Player {
     if (this.playback.playing) return;
     const { pose, v, clearance, touching } = stateAt(this.replay, this.playback.time);
     const gap = touching ? 'in contact' : `clearance ${withUnit(clearance, 'm')}`;
-    const where = pose ? `robot at ${place(pose)}, ${withUnit(v, 'm/s')}, ${gap}` : 'position unknown';
+    const others = this.replay.ghosts.map(({ name, pose: series }) => [name, poseAt(series, this.playback.time)])
+      .map(([name, there]) => (there ? `; ${name} at ${place(there)}` : '')).join('');
+    const where = (pose ? `robot at ${place(pose)}, ${withUnit(v, 'm/s')}, ${gap}` : 'position unknown') + others;
     const failed = this.moment
       ? ` Check failed: ${this.moment.title} Expected ${this.moment.expected}, actual ${this.moment.actual}.` : '';
     this.parts.status.textContent = plainText(`${seconds(this.playback.time)}: ${where}.${failed}`).slice(0, 1000);

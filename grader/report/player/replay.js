@@ -124,6 +124,8 @@ function toReplay(source) {
     goals: toArray(raw.goals).map((goal) => (
       { t: toNumber(goal.t), x: toNumber(goal.x), y: toNumber(goal.y) })).filter(inTime),
     deeds: toArray(raw.deeds).map((deed) => ({ t: toNumber(deed.t), text: text(deed.text) })).filter(inTime),
+    ghosts: toArray(raw.ghosts).slice(0, 4).map((ghost) => (
+      { name: text(ghost && ghost.name).slice(0, 40), pose: toSeries(ghost, ['x', 'y', 'yaw']) })),
     log: toArray(raw.log).map((line) => (
       { t: toNumber(line.t), level: text(line.level).toLowerCase(), text: text(line.text) })),
     compute: toArray(raw.compute).map(text),

@@ -78,6 +78,7 @@ class WorldView {
     drawContacts(brush, replay, time);
     drawMoments(brush, replay, activeMoment);
     drawRobot(brush, replay, time);
+    drawGhosts(brush, replay, time);
     drawScaleBar(brush);
   }
 

@@ -27,4 +27,6 @@ def decode(data: bytes, type: Any = Any) -> Any:
     return pickle.loads(data)
 
 
-encode = pickle.dumps
+def encode(value: Any) -> bytes:
+    """Return bytes; of nothing those of MessagePack, which are part of a recording's digest."""
+    return b"\x90" if isinstance(value, tuple) and not value else pickle.dumps(value)

@@ -3,7 +3,12 @@
 from dataclasses import fields, replace
 from typing import Any
 
-__all__ = ["astuple", "fields", "replace"]
+__all__ = ["asdict", "astuple", "fields", "replace"]
+
+
+def asdict(struct: Any) -> dict[str, Any]:
+    """Return the values of the fields by their names."""
+    return {field.name: getattr(struct, field.name) for field in fields(struct)}
 
 
 def astuple(struct: Any) -> tuple[Any, ...]:

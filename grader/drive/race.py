@@ -1,0 +1,134 @@
+"""A race: how a node drives in three worlds of its exercise, in figures. Nobody judges it.
+
+A world's figure is the time from a goal until the robot is within `ARRIVED` of it [s], or, where
+there are no goals, the way driven in the time that the world lasts [m]. A node that touches
+something, dies or breaks a limit of its contract has none. How smoothly the robot drives is said by
+the root mean square of its acceleration, as rides are judged (ISO 2631-1, here without weights for
+frequencies): commands that come more often look no smoother.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+import numpy as np
+from msgspec import Meta
+
+from grader.checks.contract import Contract
+from grader.course.exercises import Exercise
+from grader.drive.mishaps import TOUCHES, harm_of
+from grader.errors import InputError
+from grader.exercises import contract_of
+from grader.recording import Recording
+from rclpy_virtual_time import readable
+from sim.clearance import FARTHEST
+from sim.scenario_files import tables_of
+
+ARRIVED = 0.5  # [m] from a goal, as the contract says it
+EVERY = 10  # samples of the truth, which are 20 ms apart: a track has 5 Hz
+MOST_SAID = 100  # [characters] of why a race was not finished
+GHOSTS = Path(__file__).with_name("ghosts.json")  # made by grader.authoring.ghosts
+
+Name = Annotated[str, Meta(max_length=60)]
+Digest = Annotated[str, Meta(pattern=r"\A[0-9a-f]{64}\Z")]
+Figure = Annotated[float, Meta(ge=0.0, le=10_000.0)]
+Track = dict[str, list[float]]  # t [s], x, y [m], yaw [rad]
+
+
+class Lap(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One world of a race; figures to 0.01 of their units."""
+
+    world: Name  # the scenario
+    of: Digest  # what the scenario says
+    recording: Digest
+    figure: Figure | None  # [s] or [m]; None: not finished
+    ended: Annotated[str, Meta(max_length=MOST_SAID)]  # why it was not finished; else ""
+    nearest: Figure | None  # least clearance [m]; None: there never was anything within 10 m
+    median: Figure | None  # of the clearance [m]
+    acceleration: Figure  # root mean square, forward [m/s²]
+    turning: Figure  # root mean square of the angular acceleration [rad/s²]
+
+
+def worlds_of(exercise: Exercise) -> tuple[str, ...]:
+    """Return the scenarios of an exercise's race.
+
+    Raises InputError: its nodes do not race.
+    """
+    if race := contract_of(exercise).race:
+        return race
+    why = "its node does not choose by itself how to drive"
+    raise InputError(f"exercise {exercise.number} has no race: {why}")
+
+
+def unit_of(exercise: Exercise) -> str:
+    """Return the unit of an exercise's figures: "s", of which less is better, or "m"."""
+    return "s" if contract_of(exercise).goals else "m"
+
+
+def lap_of(recording: Recording, contract: Contract) -> Lap:
+    """Return the figures of a drive."""
+    truth = recording.truth
+    figure, ended = None, ""
+    if harm := harm_of(recording, contract):
+        said = "touched something" if harm.kind == TOUCHES else harm.text.removeprefix("the node ")
+        ended = f"{one_line(said)[: MOST_SAID - 12]} at {harm.at:.1f} s"
+    elif not contract.goals:
+        figure = float(np.hypot(np.diff(truth.x), np.diff(truth.y)).sum())
+    elif (figure := _arrival(recording)) is None:
+        ended = "did not come to its goal"
+    near = truth.clearance if truth.clearance.min(initial=FARTHEST) < FARTHEST else np.empty(0)
+    return Lap(
+        world=recording.name,
+        of=digest_of(recording.name),
+        recording=recording.digest(),
+        figure=None if figure is None else round(figure, 2),
+        ended=ended,
+        nearest=round(float(near.min()), 2) if len(near) else None,
+        median=round(float(np.median(near)), 2) if len(near) else None,
+        acceleration=_root_mean_square(truth.v, truth.t),
+        turning=_root_mean_square(truth.w, truth.t),
+    )
+
+
+def track_of(recording: Recording) -> Track:
+    """Return where the robot was, for a replay in which it drives along: five times a second."""
+    truth = recording.truth
+    columns = {"t": truth.t / 1e9, "x": truth.x, "y": truth.y, "yaw": truth.yaw}
+    return {name: np.round(each[::EVERY], 2).tolist() for name, each in columns.items()}
+
+
+def digest_of(world: str) -> str:
+    """Return the fingerprint of what a scenario says."""
+    tables = json.dumps(tables_of(world)[1], sort_keys=True)
+    return hashlib.sha256(tables.encode()).hexdigest()
+
+
+def reference_laps(slug: str) -> dict[str, tuple[Lap, Track]]:
+    """Return the reference's lap and track in each world of an exercise's race."""
+    made: dict[str, Any] = json.loads(GHOSTS.read_text("utf-8"))[slug]
+    return {name: (msgspec.convert(each["lap"], Lap), each["track"]) for name, each in made.items()}
+
+
+def one_line(text: str) -> str:
+    """Return others' text as one line."""
+    return " ".join(readable(text).split())
+
+
+def _arrival(recording: Recording) -> float | None:
+    """Return how long it took from the last goal until the robot was there [s]."""
+    goals, truth = recording.goals(), recording.truth
+    if not len(goals.t):
+        return None
+    times = truth.t / 1e9 - goals.t[-1]
+    there = np.hypot(truth.x - goals.x[-1], truth.y - goals.y[-1]) <= ARRIVED
+    at = np.flatnonzero(there & (times >= 0.0))
+    return float(times[at[0]]) if len(at) else None
+
+
+def _root_mean_square(speed: Any, t: Any) -> float:
+    changes = np.diff(speed) / (np.diff(t) / 1e9)
+    return round(float(np.sqrt(np.mean(changes**2))), 2) if len(changes) else 0.0

@@ -1,0 +1,142 @@
+"""Results of a race as files, and the table of a class that is made of them.
+
+A file is what a student says; marks never come from it. Each byte is hostile until it is read.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+from grader.course.exercises import Exercise, all_exercises, find_exercise
+from grader.course.submission import read_regular_file
+from grader.drive.race import Lap, Name, digest_of, one_line, unit_of, worlds_of
+from grader.errors import InputError
+
+MOST_BYTES = 10_000  # of a result
+MOST_FILES = 5_000
+MOST_SIGNS = 24  # of a nickname
+
+
+class Result(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What a file says."""
+
+    course: Name  # its version
+    exercise: Name  # the slug
+    nickname: Annotated[str, Meta(max_length=200)]
+    laps: tuple[Lap, Lap, Lap]
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """What to sort by: the worlds that were not finished, then the sum of figures."""
+        figures = [lap.figure for lap in self.laps if lap.figure is not None]
+        less = unit_of(find_exercise(self.exercise)) == "s"
+        return len(self.laps) - len(figures), round(sum(figures) if less else -sum(figures), 2)
+
+
+def clean_nickname(nickname: str) -> str:
+    """Return a nickname as one short line.
+
+    Raises InputError: nothing of it can be seen, or it is too long.
+    """
+    name = one_line(nickname)
+    if 1 <= len(name) <= MOST_SIGNS:
+        return name
+    raise InputError(f"nickname: expected 1 to {MOST_SIGNS} visible characters, got {len(name)}")
+
+
+def read_result(path: Path) -> Result:
+    """Return the result in a file.
+
+    Raises InputError: it can't be read, is none, or is of worlds that this course does not have.
+    """
+    try:
+        data = read_regular_file(path, MOST_BYTES)
+        if len(data) > MOST_BYTES:
+            raise InputError(f"expected at most {MOST_BYTES} bytes")
+        result = msgspec.json.decode(data, type=Result)
+    except OSError as error:
+        raise InputError(error.strerror or "cannot be read") from None
+    except (msgspec.DecodeError, ValueError, RecursionError) as error:
+        raise InputError(f"expected the result of a race ({error})") from None
+    if result.exercise not in [each.slug for each in all_exercises()]:
+        raise InputError("no exercise is called that")
+    worlds = {world: digest_of(world) for world in worlds_of(find_exercise(result.exercise))}
+    if [(lap.world, lap.of) for lap in result.laps] != list(worlds.items()):
+        raise InputError(f"its worlds are not {', '.join(worlds)}, or those of another course")
+    if any((lap.figure is None) == (not lap.ended) for lap in result.laps):
+        raise InputError("expected a figure, or why there is none")
+    return msgspec.structs.replace(result, nickname=clean_nickname(result.nickname))
+
+
+def standings(folder: Path) -> tuple[dict[str, list[Result]], list[str]]:
+    """Return the best result of each nickname by exercise, best first; and what is to be said.
+
+    Raises InputError: it is no folder, or has too many files.
+    """
+    if not folder.is_dir():
+        raise InputError(f"{folder}: expected a folder with results, files such as race.json")
+    files = sorted(folder.rglob("*.json"))
+    if len(files) > MOST_FILES:
+        raise InputError(f"{folder}: {len(files)} results, expected at most {MOST_FILES}")
+    said, found = [], defaultdict[tuple[str, str], list[tuple[Result, str]]](list)
+    for path in files:
+        name = one_line(path.relative_to(folder).as_posix())
+        try:
+            result = read_result(path)
+            found[result.exercise, result.nickname.casefold()].append((result, name))
+        except InputError as error:
+            said.append(f"{name}: left out: {one_line(str(error))}")
+    entries: dict[str, list[Result]] = {}
+    for (slug, _), theirs in sorted(found.items()):
+        best, file = min(theirs, key=lambda each: each[0].rank)
+        entries.setdefault(slug, []).append(best)
+        if theirs[1:]:
+            names = ", ".join(name for _, name in theirs)
+            said.append(f"{best.nickname}: {len(theirs)} results, {names}; {file} counts")
+    return {slug: sorted(best, key=lambda each: each.rank) for slug, best in entries.items()}, said
+
+
+def class_rows(exercise: Exercise, results: Sequence[Result]) -> list[list[str]]:
+    """Return the table of an exercise: equals share a place; the distance kept, and the jolts."""
+    unit, ranks = unit_of(exercise), [each.rank for each in results]
+    rows = [["", "nickname", *worlds_of(exercise), "nearest [m]", "accel. [m/s²]"]]
+    for each in results:
+        near = [lap.nearest for lap in each.laps if lap.nearest is not None]
+        figures = [shown(lap.figure, f" {unit}") for lap in each.laps]
+        ends = [shown(min(near, default=None)), shown(max(lap.acceleration for lap in each.laps))]
+        rows.append([f"{1 + ranks.index(each.rank)}.", each.nickname, *figures, *ends])
+    return rows
+
+
+def lap_rows(exercise: Exercise, laps: dict[str, Sequence[Lap]]) -> list[list[str]]:
+    """Return a table of laps: for each world a row of each who has one there."""
+    first = "time [s]" if unit_of(exercise) == "s" else "way [m]"
+    rows = [["", first, "nearest [m]", "median [m]", "accel. [m/s²]", "turning [rad/s²]"]]
+    for i, world in enumerate(worlds_of(exercise)):
+        rows.append([world, *[""] * 5])
+        for who, theirs in laps.items():
+            lap = theirs[i]
+            figures = (lap.figure, lap.nearest, lap.median, lap.acceleration, lap.turning)
+            rows.append([f"  {who}", *map(shown, figures)])
+    return rows
+
+
+def shown(figure: float | None, unit: str = "") -> str:
+    """Return a figure as text."""
+    return "-" if figure is None else f"{figure:.2f}{unit}"
+
+
+def lines(rows: Sequence[Sequence[str]], left: int = 1) -> str:
+    """Return a table as lines of text; the first `left` columns begin at the left."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    padded = (
+        [cell.ljust(widths[i]) if i < left else cell.rjust(widths[i]) for i, cell in enumerate(row)]
+        for row in rows
+    )
+    return "\n".join("  ".join(row).rstrip() for row in padded)

@@ -1,0 +1,94 @@
+// A race in three worlds: figures, one's own best and the reference beside them, and a file for the table of a class.
+// Fetched once somebody races; the figures are those of grader/drive/race.py.
+
+import { el } from './element.js';
+import { button } from './workspace.js';
+
+const HERE = new URL('.', import.meta.url);
+const FILES = ['race.js', 'race.json'].map((name) => new URL(name, HERE).href);
+const [SHORT, LONG] = [24, 2000]; // characters of a nickname; moments of a track
+const COLUMNS = { nearest: 'nearest [m]', median: 'median [m]', acceleration: 'accel. [m/s²]', turning: 'turning [rad/s²]' };
+const WHAT = {
+  s: 'The time to the goal: less is better.',
+  m: 'The way driven in the world’s time: more is better.',
+};
+const MORE = 'Nearest and median: the distance kept to whatever is near. Accel. and turning: how strongly it speeds up, brakes and turns '
+  + '(root mean square). A touch or a broken limit is no finish. No marks hang on it.';
+
+/** Return the references' laps and tracks of an exercise, by the world; none where the server does not answer. */
+async function references(slug) {
+  const answer = await fetch(FILES[1]).catch(() => null);
+  if (!answer?.ok) return {};
+  globalThis.caches?.open('course-workspace').then((store) => store.addAll(FILES)).catch(() => {}); // for a visit without a network
+  return (await answer.json())[slug] ?? {};
+}
+
+/** Return what was kept of a world, if it is whole and of this very world. */
+function whole(kept, { of }) {
+  const { lap, track } = kept ?? {};
+  const columns = ['t', 'x', 'y', 'yaw'].map((name) => track?.[name]);
+  const isTrack = columns.every((each) => Array.isArray(each) && each.length <= LONG && each.every(Number.isFinite));
+  if (!isTrack || lap?.of !== of || !Number.isFinite(lap.figure)) return null;
+  return { lap, track: { t: columns[0], x: columns[1], y: columns[2], yaw: columns[3] } };
+}
+
+const isBetter = (figure, other, unit) => figure !== null && (other === undefined || (unit === 's' ? figure < other : figure > other));
+
+/** Race with a workspace's text; return in a sentence how it ended. */
+export async function race(workspace) {
+  const { plan, machine, shelf, text } = workspace;
+  const [worlds, recordings] = [Object.keys(plan.race), {}];
+  const left = [...worlds];
+  await machine.together(async (hand) => {
+    const world = left.shift();
+    if (!world) return false;
+    hand.doing = `Racing in ${world}`;
+    workspace.say(`${hand.doing} …`);
+    Object.assign(recordings, (await workspace.trial(hand, world, text, { tell: true }))[1]);
+    return true;
+  });
+  const [driven] = await machine.call('race', { exercise: plan.slug, scenarios: worlds }, { recordings });
+  const reference = await references(plan.slug);
+  const rows = driven.map(([lap]) => ({
+    lap, best: whole(shelf.bests[lap.world], lap), reference: whole(reference[lap.world], lap),
+  }));
+  const ghosts = Object.fromEntries(rows.map(({ lap, ...others }) => [lap.world, Object.entries(others)
+    .filter(([, ghost]) => ghost).map(([who, { track }]) => [who === 'best' ? 'your best' : who, track]).reverse()]));
+  for (const [i, { lap, best }] of rows.entries()) {
+    if (isBetter(lap.figure, best?.lap.figure, plan.unit)) shelf.keepBest(lap.world, { lap, track: driven[i][1] });
+  }
+  workspace.speakOf(text);
+  workspace.score.replaceChildren(table(rows, plan), el('p', { class: 'ws-note' }, `${WHAT[plan.unit]} ${MORE}`), form(workspace, rows));
+  await workspace.play(worlds, [], recordings, plan.title, { play: true }, ghosts);
+  workspace.show('result');
+  workspace.score.parentElement.scrollTop = 0;
+  return `Race: ${rows.filter(({ lap }) => lap.figure !== null).length} of ${rows.length} worlds finished.`;
+}
+
+function table(rows, { race: titles, unit }) {
+  const heads = [unit === 's' ? 'time [s]' : 'way [m]', ...Object.values(COLUMNS)];
+  const shown = (figure) => (Number.isFinite(figure) ? figure.toFixed(2) : '–');
+  const row = (who, lap) => lap && el('tr', {}, el('th', { scope: 'row' }, who),
+    lap.ended ? el('td', { colspan: heads.length, class: 'ws-ended' }, `not finished: ${lap.ended}`)
+      : [lap.figure, ...Object.keys(COLUMNS).map((name) => lap[name])].map((figure) => el('td', {}, shown(figure))));
+  return el('div', { class: 'ws-race', role: 'region', 'aria-label': 'The race', tabindex: 0 }, el('table', {},
+    el('thead', {}, el('tr', {}, el('th', { scope: 'col' }, 'world'), heads.map((head) => el('th', { scope: 'col' }, head)))),
+    rows.map(({ lap, best, reference }) => el('tbody', {},
+      el('tr', {}, el('th', { scope: 'rowgroup', colspan: heads.length + 1 }, titles[lap.world])),
+      row('yours', lap), row('your best', best?.lap), row('reference', reference?.lap)))));
+}
+
+/** Save the result as a file, by a nickname: only if the reader wants to. */
+function form(workspace, rows) {
+  const nickname = el('input', { id: 'ws-nickname', maxlength: SHORT, required: true, autocomplete: 'off', spellcheck: 'false' });
+  const save = (event) => {
+    event.preventDefault();
+    const { slug, course } = workspace.plan;
+    const result = { course, exercise: slug, nickname: nickname.value.trim(), laps: rows.map(({ lap }) => lap) };
+    if (result.nickname) workspace.save(`race_${slug}.json`, `${JSON.stringify(result, null, 1)}\n`, 'application/json');
+    else workspace.say('A nickname has something that can be seen.');
+  };
+  return el('form', { class: 'ws-tools', onsubmit: save }, el('label', { for: 'ws-nickname' }, 'Nickname'), nickname,
+    button('Save the result', () => {}, { type: 'submit' }),
+    el('p', { class: 'ws-note' }, 'For the table of your class, if you like: these figures, no code.'));
+}
