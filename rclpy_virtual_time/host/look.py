@@ -29,6 +29,7 @@ from rclpy.subscription import Subscription
 from rclpy.task import Future, Task
 from rclpy.timer import Timer
 
+from .asked import EACH_HAS
 from .endpoints import HIDDEN_TOPICS
 from .frames import MAX_NAME, Moment, Place, Sending, Value
 from .imports import host, place_of
@@ -256,12 +257,14 @@ def _function_of(callback: Any) -> tuple[Any, Any]:
 
 
 def _kept(node: Any, function: Any, bound: Any) -> Iterator[tuple[str, Any]]:
-    """Yield what a callback can change: its node's attributes, its object's, what it encloses."""
-    yield from (
-        each
-        for each in fields_of(node)
-        if each[0] not in ROS_NAMES and not each[0].startswith("_course_")
-    )
+    """Yield what a callback can change: of its node, of its own object, and what it encloses."""
+    for name, value in fields_of(node):
+        if name == "_parameters" and type(value) is dict:
+            for key, parameter in value.items():
+                if type(key) is str and not key.startswith(EACH_HAS):
+                    yield f"parameter {key}", dict(fields_of(parameter)).get("_value")
+        elif name not in ROS_NAMES and not name.startswith("_course_"):
+            yield name, value
     if bound is not node and is_beside(bound):
         yield from ((f"{class_name(bound)}.{name}", value) for name, value in fields_of(bound))
     if type(function) is FunctionType:
