@@ -79,12 +79,16 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
 
 
 def tables_of(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the tables of a file that is a scenario of the course once more, and all it has then.
+    """Return the tables of a file that is a scenario once more, and all it has then.
+
+    The scenario is one of the course's, by its name, or one of somebody's own, by its path.
 
     Raises InputError: no scenario is called that.
     """
     path = _find(name)
     doc = _tables_in(path, name)
+    if not _is_name(name) and EXTENDS not in doc:  # a file of somebody's own
+        return doc, doc
     if EXTENDS in doc:
         return doc, {**_extended(doc, str(path)), "title": doc["title"]}
     return {**{key: doc[key] for key in _NOT_INHERITED if key in doc}, EXTENDS: name}, doc

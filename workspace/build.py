@@ -46,17 +46,17 @@ LIBRARY = "python_stdlib.zip"  # as well: its files are small, and make a smalle
 MOST = 12_000_000  # [bytes] of a first visit
 WEB = (
     "able.js", "element.js", "exercise.js", "hand.js", "keep.js", "links.js", "look.js",
-    "machine.js", "offline.js", "page.js", "program.js", "race.js", "shelf.js", "start.js",
-    "worker.js", "workspace.js", "workspace.css",
+    "machine.js", "offline.js", "page.js", "program.js", "progress.js", "race.js",
+    "shelf.js", "start.js", "worker.js", "workspace.js", "workspace.css",
 )  # fmt: skip
-LATER = ("race.js", "race.json")  # fetched once somebody races, so no part of a first visit
+LATER = ("progress.js", "race.js", "race.json")  # fetched once wanted: no part of a first visit
 # The rooms of the course that a page needs
 COURSE = re.compile(
     r"sim/(?!live/|launch/|setup|__main__)|rclpy_portable/|exercises/\w+/exercise\.toml$"
     r"|workspace/(knobs|runtime|stacks)"
     r"|grader/(?!authoring|classroom|drive/(search/|standings)|lms"
     r"|nbgrader|notebook|testing|models/expert|trial/real_time|course/(skeletons|begin|generated)"
-    r"|grading/(attempts|best|handed_in|withheld)|cli/(batch|waiting)"
+    r"|grading/(attempts|best|handed_in|progress|withheld)|cli/(batch|waiting)"
     r")"
     r"|rclpy_virtual_time/(?!testing|conform|tests|setup"
     r"|link/(doctor|domains|host_process|hosts|locks|pipes|shared_memory)\."

@@ -158,11 +158,15 @@ class Runtime:
         from grader.trial.seeds import mixed_seed, trial_seed
         from grader.trial.virtual_time import Limits, run_trial
         from rclpy_virtual_time.link.in_process import StartEarlier
+        from sim.errors import InputError
         from sim.scenario_files import load_scenario
 
         wanted = json.loads(order)
         tells, seed = wanted.get("tell", False), wanted.get("seed")
-        scenario = (scenario_for if tells else load_scenario)(self._scenario(wanted))
+        try:
+            scenario = (scenario_for if tells else load_scenario)(self._scenario(wanted))
+        except InputError as error:  # in one's own
+            return json.dumps({"printed": f"Nothing was driven: {error}"})
         self._files = frozenset(wanted["others"])
         submission = self._read(Path(wanted["file"]), wanted["others"])
         if submission is None:
@@ -247,7 +251,7 @@ class Runtime:
         name: str = wanted["scenario"]
         if not wanted.get("deeds"):
             return name
-        file = self._recordings / f"{name}_by_hand.toml"
+        file = self._recordings / f"{Path(name).stem}_by_hand.toml"  # of one's own it is a path
         file.write_text(scenario_by_hand(name, wanted["deeds"]), "utf-8")
         return str(file)
 

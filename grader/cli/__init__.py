@@ -47,6 +47,7 @@ for _command in (
     begin.start,
     grade.grade,
     begin.next_,
+    begin.progress_,
     why.why,
     drive.drive,
     race.race,

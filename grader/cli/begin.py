@@ -1,4 +1,4 @@
-"""`course start` and `course next`: begin an exercise, and go on."""
+"""`course start`, `course next`, `course progress`: begin an exercise, go on, go elsewhere."""
 
 from __future__ import annotations
 
@@ -19,6 +19,11 @@ NEXTS = """\b
 Examples:
   course next
   course next 3
+"""
+PROGRESS = """\b
+Examples:
+  course progress course-progress.json
+  course progress course-progress.json --export
 """
 
 
@@ -51,6 +56,33 @@ def next_(exercise: str | None) -> None:
 
     for line in onward(None if exercise is None else find_exercise(exercise)):
         echo(line.replace("  course", f"  {_course()}", 1) if line[0] == " " else line)
+
+
+@click.command("progress", epilog=PROGRESS)
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--export", is_flag=True, help="Save into FILE; what it has stays among its versions."
+)
+def progress_(file: Path, export: bool) -> None:
+    """Lay the work of a FILE that the page has saved into the exercises' folders here.
+
+    What is yours there stays: beside it another file gets a name of its own. With --export FILE is
+    saved from these folders, for the page or for another computer.
+    """
+    from grader.grading import progress  # noqa: PLC0415
+
+    if export:
+        before = progress.read_progress(file) if file.exists() else None
+        found, said = progress.progress_of(Path(), before)
+        progress.write_progress(found, file)
+        said.append(f"{file}: work in {', '.join(found.exercises) or 'no exercise'}")
+    else:
+        found = progress.read_progress(file)
+        said = progress.bring(found, Path()) or ["Everything in it is here already."]
+        if any(work.versions for work in found.exercises.values()):
+            said.append(f"Earlier versions stay in {file}: --export into it keeps them.")
+    for line in said:
+        echo(line)
 
 
 def _course() -> str:

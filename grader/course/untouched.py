@@ -19,7 +19,7 @@ def untouched(files: Mapping[str, bytes]) -> str:
     files
         The submission's own files, by name; a node may be called as it likes.
     """
-    known = {name: _skeletons().get(_bare(content)) for name, content in files.items()}
+    known = {name: _skeletons().get(bare(content)) for name, content in files.items()}
     left = [name for name, task in known.items() if task is not None]
     if not left:
         return ""
@@ -36,9 +36,9 @@ def _skeletons() -> dict[bytes, str]:
         task = _TASK.search((exercise.folder / "README.md").read_text("utf-8"))
         for name in exercise.files:
             if task and (exercise.folder / name).is_file():
-                found[_bare((exercise.folder / name).read_bytes())] = task["title"]
+                found[bare((exercise.folder / name).read_bytes())] = task["title"]
     return found
 
 
-def _bare(content: bytes) -> bytes:
+def bare(content: bytes) -> bytes:
     return b"\n".join(line.rstrip() for line in content.strip().splitlines())

@@ -3,7 +3,7 @@
 import { isJudged, runsHere } from './able.js';
 import { el } from './element.js';
 import { showChanges, split } from './shelf.js';
-import { Workspace, button } from './workspace.js';
+import { FOLDER, Workspace, button } from './workspace.js';
 
 const JUDGE_EVERY = 2; // [s] while a check drives on: each time costs about half a second
 const GREEN = ['pass', 'unavailable'];
@@ -36,7 +36,7 @@ function judgedHere(plan) {
 }
 
 export class Exercise extends Workspace {
-  constructor(whole, words, demos, machine) {
+  constructor(whole, words, demos, machine, exercises) {
     const plan = judgedHere(whole);
     super({
       what: 'exercise', skeletons: plan.skeleton, origin: 'the skeleton', shelf: plan.slug, words, threads: !whole.alone,
@@ -44,6 +44,7 @@ export class Exercise extends Workspace {
     this.plan = plan;
     this.recordings = {}; // of the last check, by their files
     this.rows = {};
+    this.own = el('optgroup', { label: 'Your own' });
     this.scenario = el('select', { id: 'ws-scenario', 'aria-label': 'Scenario' },
       el('optgroup', { label: 'Scenarios of the checks' }, options(plan.scenarios)),
       el('optgroup', { label: 'To try things' }, options(demos)));
@@ -63,6 +64,7 @@ export class Exercise extends Workspace {
         button('Check', () => this.check(), { title: 'Ctrl-Shift-Enter; with a seed, in other worlds', class: 'ws-main' }),
       ],
       fileTools: [button('Task', () => this.showTask(), { title: 'What is to be done' }), this.changesButton],
+      more: button('Progress', () => this.openProgress(exercises), { title: 'Save all exercises to a file, or load one' }),
       result: [this.score, raced, el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)))],
       names: ['Code', 'Replay', 'Checks'],
       empty: 'Drive the node, or check it: its run is shown here.',
@@ -96,16 +98,20 @@ export class Exercise extends Workspace {
     const seed = this.begun();
     if (!seed) return null;
     const scenario = this.scenario.value;
+    const own = this.shelf.scenarios[scenario]; // its TOML
+    const [, base = scenario] = /^extends = "(\w+)"/m.exec(own) ?? [];
     this.hand.begin(`${scenario} ${this.seed.value}`);
     return this.work(async () => {
       const hand = await this.machine.ready();
-      const isOwn = !this.names[1] || scenario in this.plan.scenarios; // and names its programs
+      const isOwn = !this.names[1] || base in this.plan.scenarios; // and names its programs
       const file = isOwn ? this.names[0] : this.file;
       this.ran = file;
       hand.doing = isOwn ? `Driving in ${scenario}` : `Driving ${file} in ${scenario}`;
       this.say(`${hand.doing} …`);
       const { text } = this;
-      const [ended, recordings] = await this.trial(hand, scenario, text, { file, tell: true, ...seed, ...this.hand.order });
+      const place = own ? { scenario: `${FOLDER}/${scenario}`, own: { [scenario]: own } } : {};
+      const [ended, recordings] = await this.trial(hand, scenario, text, { file, tell: true, ...seed, ...this.hand.order, ...place });
+      if (!ended.scenario) return ended.printed; // one's own, and none
       if (this.judged !== text) Object.values(this.rows).forEach(({ fill }) => fill(null)); // of another text
       this.speakOf(text);
       this.score.replaceChildren(el('pre', { class: 'ws-printed', tabindex: 0, 'aria-label': 'The drive' }, ended.printed));
@@ -262,7 +268,13 @@ export class Exercise extends Workspace {
   keepWorld(scenario) {
     const seed = this.worlds[scenario];
     const title = JSON.stringify(`${this.plan.scenarios[scenario]}, with seed ${seed}`);
-    this.save(`${scenario}_${seed}.toml`, `title = ${title}\nextends = "${scenario}"\nseed = ${seed}\n`, 'text/plain');
+    this.keepScenario(`${scenario}_${seed}.toml`, `title = ${title}\nextends = "${scenario}"\nseed = ${seed}\n`);
+  }
+
+  keepScenario(name, content) {
+    const file = this.shelf.addScenario(name, content);
+    this.listVersions();
+    return super.keepScenario(file, content);
   }
 
   look(result) {
@@ -309,6 +321,27 @@ export class Exercise extends Workspace {
   listVersions() {
     super.listVersions();
     this.changesButton.disabled = !this.shelf.green;
+    const { value } = this.scenario;
+    this.own.replaceChildren(...Object.keys(this.shelf.scenarios).map((name) => el('option', { value: name }, name)));
+    if (this.own.firstChild) this.scenario.append(this.own);
+    else this.own.remove();
+    this.scenario.value = value;
+    if (!this.scenario.value) this.scenario.selectedIndex = 0; // it went
+  }
+
+  /** Save or load the progress in all exercises. */
+  async openProgress(exercises) {
+    this.progress ??= await import(new URL('progress.js', import.meta.url)).then(({ progressDialog }) => progressDialog(this, exercises)).catch(() => null);
+    if (this.progress) this.progress.showModal();
+    else this.say('The server did not send what saves your progress. Reload the page.');
+  }
+
+  /** Have what was loaded. */
+  takeKept() {
+    this.shelf.read();
+    const { text } = this.shelf;
+    if (text !== null && text !== this.text) for (const [name, part] of Object.entries(split(text, this.skeletons))) this.editors[name].text = part;
+    this.listVersions();
   }
 
   /** Show above the checks what is different from the last version that passed them all. */

@@ -195,7 +195,8 @@ export class Hand {
 
   /** Save the file that a drive was made with. */
   keep() {
-    this.save(...this.saved);
-    this.command.replaceChildren('Drive it again: ', el('code', {}, this.commandOf(this.saved[0])));
+    const [name, content] = this.saved;
+    const file = this.save(name, new TextDecoder().decode(content));
+    this.command.replaceChildren('Drive it again: ', el('code', {}, this.commandOf(file)));
   }
 }

@@ -38,7 +38,7 @@ async function beExercise(block) {
   const [{ plan, machine }, { Exercise }] = all;
   const exercise = plan.exercises[block.dataset.exercise];
   const demos = Object.entries(plan.demos).filter(([name]) => hasStacks || !plan.drives.several.includes(name));
-  const workspace = new Exercise(exercise, { ...exercise.words, ...plan.methods }, Object.fromEntries(demos), machine);
+  const workspace = new Exercise(exercise, { ...exercise.words, ...plan.methods }, Object.fromEntries(demos), machine, plan.exercises);
   words.textContent = 'Write the node here, drive it and have it checked, in this browser: nothing is installed, and '
     + `nothing leaves this machine. The first visit fetches 12 MB. ${runsHere(exercise)}`;
   block.querySelector('.workspace-open').replaceChildren(

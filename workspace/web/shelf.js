@@ -2,7 +2,8 @@
 
 import { el } from './element.js';
 
-const KEPT = 20; // versions
+export const KEPT = 20; // versions; in grader/grading/progress.py, too
+export const OWN = 50; // scenarios of one's own, as well
 const RELOAD = 3000; // [ms] in which a tab that is loaded again is back
 const AROUND = 2; // lines around a change
 
@@ -22,19 +23,46 @@ export function split(text, skeletons) {
   return found;
 }
 
+export const keyOf = (slug) => `course-workspace:${slug}`;
+
+const isVersion = (each) => typeof each?.text === 'string' && typeof each.points === 'string' && !Number.isNaN(Date.parse(each.at));
+
+/** Return what this browser keeps of an exercise, and the `rest` that is nothing of this. */
+export function keptOf(slug) {
+  const { text, versions, green, scenarios, ...rest } = JSON.parse(localStorage.getItem(keyOf(slug))) || {};
+  return {
+    text: typeof text === 'string' ? text : null,
+    versions: Array.isArray(versions) ? versions.filter(isVersion) : [],
+    green: isVersion(green) ? green : null,
+    scenarios: scenarios ?? {},
+    rest,
+  };
+}
+
+/** Return a scenario's file name that is none of these yet. */
+export function freeName(scenarios, name) {
+  const stem = name.replace(/\.toml$/, '').slice(0, 70);
+  let number = 1;
+  const next = () => (number === 1 ? `${stem}.toml` : `${stem}_${number}.toml`);
+  while (next() in scenarios) number += 1;
+  return next();
+}
+
 /** The reader's text and versions of it, kept by the browser; `works` is false where it keeps nothing. */
 export class Shelf {
   constructor(slug) {
-    this.key = `course-workspace:${slug}`;
+    this.key = keyOf(slug);
     this.works = true;
     try {
-      this.kept = JSON.parse(localStorage.getItem(this.key)) || {};
+      this.read();
       this.save();
     } catch {
       this.works = false;
       this.kept = {};
     }
   }
+
+  read() { this.kept = JSON.parse(localStorage.getItem(this.key)) || {}; }
 
   /** Return whether no other tab has this shelf, and keep nothing if one has; until this one is closed, none gets it. */
   isAlone() {
@@ -43,6 +71,7 @@ export class Shelf {
       navigator.locks.request(this.key, { ifAvailable: true }, (lock) => {
         this.isElsewhere = !lock;
         this.works &&= Boolean(lock);
+        if (this.works) this.read(); // another may have had it meanwhile
         resolve(Boolean(lock));
         return lock && new Promise(() => {});
       }).catch(() => resolve(true));
@@ -55,7 +84,7 @@ export class Shelf {
       await navigator.locks.request(this.key, () => {}); // the other tab is closed, or is just being loaded again
       await new Promise((resolve) => { setTimeout(resolve, RELOAD); });
     } while (!await this.isAlone());
-    this.kept = JSON.parse(localStorage.getItem(this.key)) || {};
+    this.read();
     this.works = true;
     if (this.text !== null) this.add(this.text, 'of the other tab');
   }
@@ -83,6 +112,18 @@ export class Shelf {
   keepBest(world, best) {
     this.kept.race = { ...this.bests, [world]: best };
     this.save();
+  }
+
+  /** Scenarios of one's own: their TOML, by their files. */
+  get scenarios() { return this.kept.scenarios ?? {}; }
+
+  /** Keep one; return under which name. */
+  addScenario(name, content) {
+    const found = Object.keys(this.scenarios).find((each) => this.scenarios[each] === content);
+    const file = found ?? freeName(this.scenarios, name);
+    this.kept.scenarios = Object.fromEntries(Object.entries({ ...this.scenarios, [file]: content }).slice(-OWN));
+    this.save();
+    return file;
   }
 
   get green() { return typeof this.kept.green?.text === 'string' ? this.kept.green : null; }

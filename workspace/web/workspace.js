@@ -11,7 +11,7 @@ import { PATIENCE, Stopped } from './machine.js';
 import { Shelf, joined, split } from './shelf.js';
 
 const HERE = new URL('.', import.meta.url);
-const FOLDER = '/home/reader'; // where the worker puts the node
+export const FOLDER = '/home/reader'; // where the worker puts the node
 const LONGEST = 8000; // [characters] of a link: longer ones are cut where they are passed on
 const NOTHING_KEPT = 'This browser keeps nothing for this site: download your file before you leave the page.';
 const NO_MEMORY = 'The browser had no memory left: your node may keep or print too much. What you typed is not lost.';
@@ -68,8 +68,8 @@ export class Workspace {
   /** What stands in the address bar while it is open. */
   get hash() { throw new Error('of each kind'); }
 
-  /** Build the dialog: `tools` in its bar, `fileTools` of its kind, `panes` by their names: the third is its own. */
-  build({ label, title, tools, fileTools = [], result, names, empty }) {
+  /** Build the dialog: `tools` in its bar, `fileTools` and `more` of its kind, `panes` by their names: the third is its own. */
+  build({ label, title, tools, fileTools = [], more = '', result, names, empty }) {
     this.status = el('p', { class: 'ws-status', role: 'status' });
     this.warning = el('p', { class: 'ws-question', hidden: true });
     this.question = el('div', { class: 'ws-question', hidden: true, role: 'alert' });
@@ -84,7 +84,7 @@ export class Workspace {
     this.hand = new Hand({
       act: (from) => this.drive(from),
       seek,
-      save: (name, content) => this.save(name, content, 'application/toml'),
+      save: (name, content) => this.keepScenario(name, content),
       say: (text) => this.say(text),
       commandOf: (file) => this.commandOf(file),
     });
@@ -105,7 +105,7 @@ export class Workspace {
           button('Reset', () => this.reset(), { title: `Begin with ${this.origin} again${this.names[1] ? ', in this file' : ''}` }),
           button('Link', () => this.share(), { title: 'A link that carries your code' }),
           button('Download', () => this.download(), { title: this.names[1] ? 'The file that is shown' : this.file })),
-        button('Close', () => this.dialog.close(), { class: 'ws-close' })),
+        more, button('Close', () => this.dialog.close(), { class: 'ws-close' })),
       el('div', { class: 'ws-news' }, this.status, this.stopButton, this.question, this.warning),
       el('nav', { class: 'ws-tabs', 'aria-label': 'Show' }, this.tabs),
       el('div', { class: 'ws-panes' }, this.code, this.replay, this.hand.element, this.look.element,
@@ -137,6 +137,7 @@ export class Workspace {
     this.machine.serve(this);
     if (!this.editor) {
       if (!await this.shelf.isAlone()) this.shelf.whenAlone().then(() => this.keepAgain());
+      this.listVersions();
       await this.makeEditor();
     }
     if (matchMedia('(pointer: fine)').matches) this.editor.focus();
@@ -304,11 +305,11 @@ export class Workspace {
     this.stopButton.hidden = this.question.hidden = true;
   }
 
-  /** Run a text's `file`, by a `call` of workspace.runtime.Runtime; return what it says, and its recording. */
+  /** Run a text's `file`, by a `call` of workspace.runtime.Runtime; a scenario of one's `own` lies beside it. Return what it says, and its recording. */
   async run(hand, call, order, text, kept = {}) {
-    const { file = this.names[0] } = order;
-    const files = split(text, this.skeletons);
-    const [ended, recordings] = await hand.call(call, { ...order, file: `${FOLDER}/${file}` }, { files, recordings: kept });
+    const { file = this.names[0], own, ...orders } = order;
+    const files = { ...own, ...split(text, this.skeletons) };
+    const [ended, recordings] = await hand.call(call, { ...orders, file: `${FOLDER}/${file}` }, { files, recordings: kept });
     if ('lead' in ended) return this.run(hand, call, { ...order, lead: ended.lead }, text, recordings);
     if (!order.look) this.runs[ended.scenario] = [call, order, text, kept];
     return [ended, recordings];
@@ -423,6 +424,12 @@ export class Workspace {
   }
 
   download() { this.save(this.file, this.editor.text, 'text/x-python'); }
+
+  /** Save a scenario of one's own; return under which name. */
+  keepScenario(name, content) {
+    this.save(name, content, 'text/plain');
+    return name;
+  }
 
   save(name, content, type) {
     const url = URL.createObjectURL(new Blob([content], { type }));
