@@ -177,7 +177,8 @@ def _numbers(value: Any, depth: int) -> str:
     span = ""
     if 0 < size <= LARGE and value.dtype.kind in "iuf":
         finite = value[np.isfinite(value)]
-        span = f", {finite.min():.7g} to {finite.max():.7g}" if finite.size else ""
+        ends = [f"{each():.7g}" for each in (finite.min, finite.max)] if finite.size else []
+        span = f", {' to '.join(dict.fromkeys(ends))}" if ends else ""
     return f"{kind}{span}: [{_listed(value.flat[:ENTRIES].tolist(), size, depth)}]"
 
 

@@ -20,7 +20,6 @@ import numpy as np
 import rclpy.action.client
 import rclpy.action.server
 import rclpy.executors
-import rclpy.lifecycle.node
 import rclpy.node
 import rclpy.publisher
 from msgspec.structs import replace
@@ -42,10 +41,14 @@ KINDS = {Subscription: "subscription", Timer: "timer", Service: "service"}
 MESSAGE = 1000  # [characters]
 OPTIMIZED = 1  # in a code's flags: a function's locals, of which Python shows a copy
 DATA = {id(cls) for cls in (int, float, bool, str, list, dict, collections.deque, np.ndarray)}
-NODES: tuple[Any, ...] = (rclpy.node.Node, rclpy.lifecycle.node.LifecycleNodeMixin)
-ROS_NAMES = {name for cls in NODES for name in cls.__init__.__code__.co_names}  # what nodes keep
+# What nodes keep for rclpy; the first three with a life cycle
+ROS_NAMES = {"_state_machine", "_managed_entities", "_callbacks"}
+ROS_NAMES |= set(vars(rclpy.node.Node)["__init__"].__code__.co_names)
 # Nobody asks for what rclpy itself does when something comes, or what stands in for tf2.
-NOT_THEIRS = (str(Path(rclpy.node.__file__).parent), str(Path(__file__).with_name("stand_ins")))
+NOT_THEIRS = (
+    str(Path(rclpy.node.__file__).parent),
+    str(Path(__file__).parent / "stand_ins" / "tf2_ros"),
+)
 _traceback: Any = BaseException.__dict__["__traceback__"].__get__
 _arguments: Any = BaseException.__dict__["args"].__get__
 

@@ -22,8 +22,8 @@ from lesson_pages import PAGES, ROOT, Block, blocks
 import grader.drive
 from grader.cli import cli
 from grader.course.installed import OPTIONAL, why_not
+from grader.launchers import ForkServerPool
 from grader.recording import Recording
-from rclpy_virtual_time.link.hosts import ForkServer
 
 ELISION = "…"
 STARTED = re.compile(r'executable="(\w+)"')  # by a launch file
@@ -137,7 +137,7 @@ def test_snippets_print_what_the_page_says(deep: bool, tmp_path: Path) -> None:
 def test_commands_print_what_the_page_says(
     command: Block,
     shown: Block | None,
-    forkserver: ForkServer,
+    forkservers: ForkServerPool,
     made_once: Callable[..., Path],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -150,9 +150,8 @@ def test_commands_print_what_the_page_says(
         return recordings[-1]
 
     monkeypatch.setattr(grader.drive, "drive_node", drive)
-    monkeypatch.setattr(
-        "grader.cli.drive.start_forkserver", lambda *_, **__: contextlib.nullcontext(forkserver)
-    )
+    warm = lambda libraries=(), **_: contextlib.nullcontext(forkservers.of(libraries))  # noqa: E731
+    monkeypatch.setattr("grader.cli.drive.start_forkserver", warm)
     monkeypatch.setenv("COLUMNS", "80")
     write_nodes(tmp_path)
     if "exercises/" in command.text:
@@ -176,9 +175,10 @@ def test_commands_print_what_the_page_says(
         assert done.return_value == 0
         return
     log = "\n".join(line.text for line in recordings[0].log if line.level == "info")
-    printed, measured, _ = done.output.partition("\n  Compute: ")  # each machine has its own
+    printed, measured, after = done.output.partition("\n  Compute: ")  # each machine has its own
     assert measured
-    same(shown.text, log if shown.info == "output log" else f"{printed}\n")
+    looked = after[after.find("\nWhat ran") :] if "--at" in words else ""
+    same(shown.text, log if shown.info == "output log" else f"{printed}\n{looked}")
 
 
 def test_every_program_is_run() -> None:
