@@ -57,40 +57,24 @@ def race(
         raise InputError("expected the file of a node, or --table FOLDER, perhaps with --csv FILE")
     if out is not None and nickname is None:
         raise InputError("--out: expected a --nickname, too: by that name the class will see it")
-    return _race(given[:-1], Path(given[-1]), nickname, out, report, portable)
-
-
-def _race(
-    number: tuple[str, ...],
-    file: Path,
-    nickname: str | None,
-    out: Path | None,
-    report: Path | None,
-    portable: bool,
-) -> int:
     from grader import drive as driving  # noqa: PLC0415
     from grader.course.exercises import exercise_for  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
     from grader.drive.race import lap_of, reference_laps, worlds_of  # noqa: PLC0415
-    from grader.drive.standings import clean_nickname, lap_rows, lines, read_result  # noqa: PLC0415
+    from grader.drive.standings import lap_rows, lines, wanted_at  # noqa: PLC0415
     from grader.exercises import contract_of  # noqa: PLC0415
 
-    exercise = exercise_for(one_of(number, None), file.name)
+    exercise = exercise_for(one_of(given[:-1], None), Path(given[-1]).name)
     worlds, contract = worlds_of(exercise), contract_of(exercise)
-    name = None if nickname is None else clean_nickname(nickname)
     target = out or Path(f"race_{exercise.slug}.json")
-    before = read_result(target) if name is not None and target.exists() else None
-    if before is not None and (before.exercise, before.nickname) != (exercise.slug, name):
-        raise InputError(f"{target}: has another's result, or another exercise's; choose --out")
+    name, before = wanted_at(target, exercise, nickname)
     check_writable(report)
-    check_writable(None if name is None else target)
-    given = click.get_current_context().with_resource(as_files(file, exercise.files))
-    submission = find_submission(given, exercise.files[0])
+    check_writable(target if name else None)
+    file = click.get_current_context().with_resource(as_files(Path(given[-1]), exercise.files))
+    submission = find_submission(file, exercise.files[0])
     with start_forkserver(exercise.libraries, portable=portable) as forkserver:
-        recordings = [
-            driving.drive_node(submission, driving.scenario_for(world), forkserver)
-            for world in worlds
-        ]
+        scenarios = map(driving.scenario_for, worlds)
+        recordings = [driving.drive_node(submission, each, forkserver) for each in scenarios]
     laps = tuple(lap_of(recording, contract) for recording in recordings)
     ghosts = reference_laps(exercise.slug)
     best = {"your best": before.laps} if before else {}
@@ -101,8 +85,8 @@ def _race(
             echo(f"{lap.world}: not finished: {lap.ended}")
     if report is not None:
         tracks = {world: [("reference", ghosts[world][1])] for world in worlds}
-        write_report(report, None, recordings, f"Race of {file.name}", ghosts=tracks)
-    if name is not None:
+        write_report(report, None, recordings, f"Race of {Path(given[-1]).name}", ghosts=tracks)
+    if name:
         _keep(target, (exercise.slug, name, laps), before)
     return FULL if all(lap.figure is not None for lap in laps) else LESS
 

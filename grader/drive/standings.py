@@ -74,6 +74,20 @@ def read_result(path: Path) -> Result:
     return msgspec.structs.replace(result, nickname=clean_nickname(result.nickname))
 
 
+def wanted_at(file: Path, exercise: Exercise, name: str | None) -> tuple[str, Result | None]:
+    """Return the nickname by which a result is to be written to a file, and what is there already.
+
+    "" and None without a nickname. Raises InputError: the file has another result.
+    """
+    if name is None:
+        return "", None
+    nickname = clean_nickname(name)
+    before = read_result(file) if file.exists() else None
+    if before and (before.exercise, before.nickname) != (exercise.slug, nickname):
+        raise InputError(f"{file}: has another's result, or another exercise's; choose --out")
+    return nickname, before
+
+
 def standings(folder: Path) -> tuple[dict[str, list[Result]], list[str]]:
     """Return the best result of each nickname by exercise, best first; and what is to be said.
 

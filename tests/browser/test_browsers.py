@@ -69,6 +69,9 @@ def test_a_reference_that_is_typed_in_wins_what_the_page_says(
         tab.press("Control", "Shift", "Enter")
         ended, found = tab.value(SETTLED), tab.value(FOUND)
         (tmp_path / "checked.png").write_bytes(tab.picture())
+        if made["race"]:
+            tab.value("document.querySelector('.ws-racing button').click()")
+            assert tab.value(SETTLED) == "Race: 3 of 3 worlds finished."
     assert kept.endswith(text + TYPED)
     judged = {c["id"]: c["points"] for c in made["checks"]
               if c["scenarios"] and (threads or c["alone"])}  # fmt: skip

@@ -79,7 +79,7 @@ class Player {
       `Map of the run ${replay.title.slice(0, 200)}. The run is described in words below.`);
     replaceChildren(parts.stage.legend,
       replay.ghosts.map(({ name }, i) => el('span', { class: `ghost is-${i}` }, name)),
-      el('span', {}, '0'), el('i', {}), el('span', {}, `${fixed(replay.maxSpeed)} m/s`));
+      el('span', { class: 'speeds' }, el('span', {}, '0'), el('i', {}), el('span', {}, `${fixed(replay.maxSpeed)} m/s`)));
     parts.transport.moments.forEach((button) => { button.disabled = !replay.moments.length; });
     for (const part of [parts.timeline, parts.log, this.world, this.plot]) part.setReplay(replay);
     this.showGraph();
