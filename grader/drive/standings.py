@@ -119,12 +119,12 @@ def standings(folder: Path) -> tuple[dict[str, list[Result]], list[str]]:
 def class_rows(exercise: Exercise, results: Sequence[Result]) -> list[list[str]]:
     """Return the table of an exercise: equals share a place; the distance kept, and the jolts."""
     unit, ranks = unit_of(exercise), [each.rank for each in results]
-    rows = [["", "nickname", *worlds_of(exercise), "nearest [m]", "accel. [m/s²]"]]
+    worlds = [f"{world} [{unit}]" for world in worlds_of(exercise)]
+    rows = [["", "nickname", *worlds, "nearest [m]", "accel. [m/s²]"]]
     for each in results:
-        near = [lap.nearest for lap in each.laps if lap.nearest is not None]
-        figures = [shown(lap.figure, f" {unit}") for lap in each.laps]
-        ends = [shown(min(near, default=None)), shown(max(lap.acceleration for lap in each.laps))]
-        rows.append([f"{1 + ranks.index(each.rank)}.", each.nickname, *figures, *ends])
+        near = min((lap.nearest for lap in each.laps if lap.nearest is not None), default=None)
+        figures = (*(lap.figure for lap in each.laps), near, max(x.acceleration for x in each.laps))
+        rows.append([f"{1 + ranks.index(each.rank)}.", each.nickname, *map(shown, figures)])
     return rows
 
 
@@ -141,16 +141,13 @@ def lap_rows(exercise: Exercise, laps: dict[str, Sequence[Lap]]) -> list[list[st
     return rows
 
 
-def shown(figure: float | None, unit: str = "") -> str:
+def shown(figure: float | None) -> str:
     """Return a figure as text."""
-    return "-" if figure is None else f"{figure:.2f}{unit}"
+    return "-" if figure is None else f"{figure:.2f}"
 
 
 def lines(rows: Sequence[Sequence[str]], left: int = 1) -> str:
     """Return a table as lines of text; the first `left` columns begin at the left."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    padded = (
-        [cell.ljust(widths[i]) if i < left else cell.rjust(widths[i]) for i, cell in enumerate(row)]
-        for row in rows
-    )
-    return "\n".join("  ".join(row).rstrip() for row in padded)
+    sides = [f"{'<' if i < left else '>'}{max(map(len, column))}"
+             for i, column in enumerate(zip(*rows, strict=True))]  # fmt: skip
+    return "\n".join("  ".join(map(format, row, sides)).rstrip() for row in rows)

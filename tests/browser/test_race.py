@@ -21,12 +21,12 @@ SEEK = "(t) => { window.replayPlayer.pause(); window.replayPlayer.seek(t); }"
 
 
 def raced(page: Any, text: str) -> str:
-    """Race with a node's text, by keyboard alone; return what is said of it."""
-    if page.get_by_role("button", name="Code", exact=True).is_visible():
-        page.get_by_role("button", name="Code", exact=True).click()
-    type_in(page, text)
-    if page.get_by_role("button", name="Checks", exact=True).is_visible():
-        page.get_by_role("button", name="Checks", exact=True).click()
+    """Race with a node's text; return what is said of it."""
+    for tab in ("Code", "Checks"):  # in a narrow window
+        if page.get_by_role("button", name=tab, exact=True).is_visible():
+            page.get_by_role("button", name=tab, exact=True).click()
+        if tab == "Code":
+            type_in(page, text)
     page.get_by_role("button", name="Race", exact=True).press("Enter")
     return settle(page)
 
@@ -81,8 +81,7 @@ def test_ones_own_best_drives_along_and_is_kept(
     for moment in (2.0, 6.0):
         frame.evaluate(SEEK, moment)
         said.append(frame.locator(".player > [role=status]").text_content().split("; ")[1:])
-    names = [[ghost.partition(" at ")[0] for ghost in ghosts] for ghosts in said]
-    assert names == [["reference", "your best"]] * 2
+    assert [ghost.partition(" at ")[0] for ghost in said[0]] == ["reference", "your best"]
     assert said[0] != said[1]  # they are somewhere else then
     assert frame.locator(".ghost").all_text_contents() == ["reference", "your best"]
     assert "Outlines show other runs" in frame.locator(".event-start").first.text_content()
