@@ -16,7 +16,7 @@ SITE ?=
 SOLUTION := solutions/obstacle_avoidance/obstacle_avoidance_agent.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup grade test test-engine test-proof test-long test-all test-deep lint format prove conform wheel attacks site workspace lite assignments notebooks students bench profile skeletons goldens constraints clean
+.PHONY: help setup grade test test-engine test-proof test-long test-all test-deep lint format prove conform wheel attacks site workspace lite ways assignments notebooks students bench profile skeletons goldens constraints clean
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
@@ -111,6 +111,9 @@ build/workspace/manifest.json: $(VENV)/.dev $(wildcard $(shell git ls-files \
 
 lite: build/workspace/manifest.json ## the notebooks for the browser, with JupyterLite, on top of the workspace
 	$(BIN)/python -m workspace.lite build/lite build/packages build/workspace
+
+ways: $(VENV)/.dev ## run two other solutions of each exercise, for the page after full marks; minutes
+	$(BIN)/python -m grader.authoring.ways build/ways
 
 assignments: $(VENV)/.dev ## write the notebooks, solutions and all, into notebooks/source for nbgrader
 	$(BIN)/python -m grader.notebook.build

@@ -47,9 +47,9 @@ MOST = 12_000_000  # [bytes] of a first visit
 WEB = (
     "able.js", "element.js", "exercise.js", "hand.js", "keep.js", "links.js", "look.js",
     "machine.js", "offline.js", "page.js", "program.js", "progress.js", "race.js",
-    "shelf.js", "start.js", "worker.js", "workspace.js", "workspace.css",
+    "shelf.js", "start.js", "ways.js", "worker.js", "workspace.js", "workspace.css",
 )  # fmt: skip
-LATER = ("progress.js", "race.js", "race.json")  # fetched once wanted: no part of a first visit
+LATER = ("progress.js", "race.js", "race.json", "ways.js")  # once wanted: not of a first visit
 # The rooms of the course that a page needs
 COURSE = re.compile(
     r"sim/(?!live/|launch/|setup|__main__)|rclpy_portable/|exercises/\w+/exercise\.toml$"

@@ -25,7 +25,9 @@ NEEDED = {  # module: the extra that brings it
 }  # fmt: skip
 
 
-def handouts(left_out: Collection[str] = (), *, answers: bool = True) -> dict[str, bytes]:
+def handouts(
+    left_out: Collection[str] = (), *, answers: bool = True, ways: bool = False
+) -> dict[str, bytes]:
     """Return the site's and the notebooks' files by their paths in a release.
 
     Raises InputError: Sphinx or nbgrader is not installed.
@@ -38,10 +40,12 @@ def handouts(left_out: Collection[str] = (), *, answers: bool = True) -> dict[st
         is one lesson and has the tasks of all, but no skeletons of these.
     answers
         The site has model answers to its open questions.
+    ways
+        Its workspaces have others' ways, as far as `make ways` has made them.
     """
     require_tools()
     with tempfile.TemporaryDirectory(prefix="course-handouts-") as name:
-        pages = site(Path(name), left_out, answers=answers)
+        pages = site(Path(name), left_out, answers=answers, ways=ways)
         return pages | without(notebooks(Path(name)), left_out)
 
 
@@ -60,13 +64,16 @@ def require_tools() -> None:
         )
 
 
-def site(work: Path, left_out: Collection[str] = (), *, answers: bool = True) -> dict[str, bytes]:
+def site(
+    work: Path, left_out: Collection[str] = (), *, answers: bool = True, ways: bool = False
+) -> dict[str, bytes]:
     """Return the lesson as `make site` builds it, replays included."""
     out = work / SITE
     _run(
         "-m", "sphinx", "-q", "-W", "--keep-going", "-n", "-b", "html",
         "-D", f"course_left_out={','.join(sorted(left_out))}",
         "-D", f"course_model_answers={answers:d}",
+        *(() if ways else ("-D", "course_ways=")),
         "-d", str(work / "doctrees"), str(ROOT / "lessons"), str(out),
     )  # fmt: skip
     _run("-m", "grader.authoring.pitfalls", str(out / "pitfalls" / "replays"))

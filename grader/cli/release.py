@@ -40,6 +40,9 @@ Examples:
     "--no-answers", is_flag=True, help="The lesson without model answers: you grade its questions."
 )
 @click.option(
+    "--ways", is_flag=True, help="The site with solutions of others, for after full marks."
+)
+@click.option(
     "--plain", is_flag=True, help="No notebooks, and the lesson as Markdown: needs no Sphinx."
 )
 def release(
@@ -53,6 +56,7 @@ def release(
     hide: str | None,
     source: str,
     no_answers: bool,
+    ways: bool,
     plain: bool,
 ) -> int:
     """Write into DIR what students get: no solutions, no rubrics, no tests.
@@ -70,7 +74,7 @@ def release(
         raise InputError(f"{ROOT}: expected a checkout of the course, with solutions/ in it")
     slugs = [find_exercise(name).slug for name in exercises]
     if gradescope:
-        if student_package or classroom or plain or source or no_answers:
+        if student_package or classroom or plain or source or no_answers or ways:
             raise InputError("--gradescope writes nothing for students; leave the others out")
         return _autograder(folder, slugs, field, hide, secret)
     if secret is not None or field or hide is not None:
@@ -79,6 +83,8 @@ def release(
         raise InputError("--source is for notebooks, which --plain leaves out")
     if plain and no_answers:
         raise InputError("--no-answers is for the site, which --plain leaves out")
+    if ways and (plain or not (ROOT / "build" / "ways").is_dir()):
+        raise InputError("--ways is for the site, which --plain leaves out; `make ways` first")
     wheel = built_wheel()
 
     def make(left: Collection[str]) -> dict[str, bytes]:
@@ -86,7 +92,8 @@ def release(
         lacks = "nodes can't be written in the site's pages: make workspace first"
         for lack in filter(None, (what_lacks(wheel, source), "" if workspace else lacks)):
             echo(f"Note: {lack}.", err=True)
-        return carried(handouts(left, answers=not no_answers), wheel, source)  # takes a minute
+        made = handouts(left, answers=not no_answers, ways=ways)  # takes a minute
+        return carried(made, wheel, source)
 
     released = [each for each in all_exercises() if not slugs or each.slug in slugs]
     more = github.files(released) if classroom else {}

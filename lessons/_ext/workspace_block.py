@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parents[2]
 MADE = ROOT / "build" / "workspace"
 STATIC = "_static/workspace"
+WAYS = ROOT / "build" / "ways"  # of others, for after full marks: `make ways`
 WORDS = (
     '<p class="workspace-words">The workspace is loading …</p>'
     "<noscript><p>The workspace is not running: it needs JavaScript.</p></noscript>"
@@ -82,6 +83,13 @@ def copy_files(app: Sphinx, error: Exception | None) -> None:
         plans = json.loads((target / "plan.json").read_text("utf-8"))
         for slug in _left_out(app):  # no skeleton of one that is
             plans["exercises"].pop(slug, None)
+        shutil.rmtree(target.parent / "ways", ignore_errors=True)
+        for slug, about in plans["exercises"].items():
+            way = Path(app.config.course_ways, f"{slug}.json")
+            about["ways"] = bool(app.config.course_ways) and way.is_file()
+            if about["ways"]:
+                (target.parent / "ways").mkdir(exist_ok=True)
+                shutil.copy(way, target.parent / "ways")
         (target / "plan.json").write_text(json.dumps(plans), "utf-8")
 
 
@@ -89,6 +97,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     """Tell Sphinx."""
     app.add_config_value("course_workspace", str(MADE), "env", [str])  # a folder; "" for none
     app.add_config_value("course_workspace_made", _made, "html", [bool])  # pages follow it
+    app.add_config_value("course_ways", str(WAYS), "html", [str])  # "": none, whatever lies there
     app.connect("html-page-context", add_block)
     app.connect("build-finished", copy_files)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

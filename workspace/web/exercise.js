@@ -54,6 +54,7 @@ export class Exercise extends Workspace {
     this.changesButton = button('Changes', () => this.changes(), { title: 'Since the last version that passed all checks' });
     const raced = Object.keys(plan.race).length ? el('div', { class: 'ws-tools ws-racing' },
       button('Race', () => this.race(), { class: 'ws-main' }), 'in three worlds, beside the reference') : '';
+    this.ways = el('div', {});
     this.build({
       label: `Workspace: exercise ${plan.number}, ${plan.title}`,
       title: `${plan.number}. ${plan.title}`,
@@ -65,7 +66,7 @@ export class Exercise extends Workspace {
       ],
       fileTools: [button('Task', () => this.showTask(), { title: 'What is to be done' }), this.changesButton],
       more: button('Progress', () => this.openProgress(exercises), { title: 'Save all exercises to a file, or load one' }),
-      result: [this.score, raced, el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)))],
+      result: [this.score, raced, this.ways, el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)))],
       names: ['Code', 'Replay', 'Checks'],
       empty: 'Drive the node, or check it: its run is shown here.',
     });
@@ -321,12 +322,20 @@ export class Exercise extends Workspace {
   listVersions() {
     super.listVersions();
     this.changesButton.disabled = !this.shelf.green;
+    if (this.plan.ways && this.shelf.green && !this.offered) this.offerWays();
     const { value } = this.scenario;
     this.own.replaceChildren(...Object.keys(this.shelf.scenarios).map((name) => el('option', { value: name }, name)));
     if (this.own.firstChild) this.scenario.append(this.own);
     else this.own.remove();
     this.scenario.value = value;
     if (!this.scenario.value) this.scenario.selectedIndex = 0; // it went
+  }
+
+  /** Offer others' ways, once this exercise has passed all checks here. */
+  async offerWays() {
+    this.offered = true;
+    const ways = await import(new URL('ways.js', import.meta.url)).catch(() => null);
+    if (ways) this.ways.replaceChildren(await ways.offer(this));
   }
 
   /** Save or load the progress in all exercises. */

@@ -1,0 +1,157 @@
+"""Make others' ways of an exercise: two variants, with what each costs and gains.
+
+`python -m grader.authoring.ways OUT [EXERCISE …]` writes `OUT/EXERCISE.json`. The two are those
+whose texts differ most, from the reference and from each other. Every figure is of runs made here
+and now. The page shows them after full marks (`workspace/web/ways.js`); `course release` leaves
+them out unless it is asked.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+import sys
+from collections.abc import Sequence
+from difflib import SequenceMatcher
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from grader.claims.claims import Claim, claims, grade_claim
+from grader.course.exercises import Exercise, all_exercises, find_exercise
+from grader.errors import GraderError
+from grader.grading.best import drive_in
+from grader.grading.grading import Grading
+from grader.grading.plugin import PASS
+from grader.launchers import ForkServerPool, launcher_pool
+from grader.recording import Recording
+from grader.recording.costs import costs_of
+
+CLAIM = re.compile(r'\n\n(?:file|field):.*?\n(?=""")', re.DOTALL)  # of a variant, for the proof
+CLOSE = 0.01  # [m]
+NOTHING = 10.0  # [m] of clearance: nothing is measured beyond
+SAME = 1 / 3  # of a time: less is not told apart, for the machine has other things to do, too
+
+
+def ways_of(exercise: Exercise, servers: ForkServerPool) -> list[dict[str, Any]]:
+    """Return two ways, for JSON: what they are `about`, their `files`, and what is `said` of them.
+
+    Raises GraderError: one of them has not all points.
+    """
+    found = [each for each in claims(exercise) if each.kind in ("reference", "variant")]
+    reference, *others = (each for each in found if not each.lacks)
+    pairs = itertools.combinations(others, 2)
+    chosen = max(pairs, key=lambda pair: min(itertools.starmap(_apart, (
+        (reference, pair[0]), (reference, pair[1]), pair))))  # fmt: skip
+    launcher = servers.of(exercise.libraries)
+    base, *graded = (grade_claim(each, launcher) for each in (reference, *chosen))
+    made = []
+    for way, grading in zip(chosen, graded, strict=True):
+        if not grading.whole:
+            raise GraderError(f"{way.name}: expected all points, got {grading.score}")
+        said = [
+            f"{_lines(way)} lines of code; the reference has {_lines(reference)}.",
+            _time(_cost(grading), _cost(base)),
+            _runs(grading, base),
+            *_drives(grading, base),
+            _field(grading),
+        ]
+        files = {name: CLAIM.sub("", text) for name, text in way.files.items()}
+        about = way.about.removeprefix("Style: ")
+        made.append({"about": about[0].upper() + about[1:], "said": said, "files": files})
+    return made
+
+
+def _apart(one: Claim, other: Claim) -> float:
+    """Return which part of two texts' lines differs."""
+    a, b = ([line for text in each.files.values() for line in text.splitlines() if line.strip()]
+            for each in (one, other))  # fmt: skip
+    return 1 - SequenceMatcher(None, a, b, autojunk=False).ratio()
+
+
+def _lines(claim: Claim) -> int:
+    lines = (line.strip() for text in claim.files.values() for line in text.splitlines())
+    return sum(bool(line) and not line.startswith("#") for line in lines)
+
+
+def _cost(grading: Grading) -> float:
+    """Return the median of what a message of the robot costs in CPU time, over all runs [ms]."""
+    costs = [costs.p50 for each in grading.recordings if (costs := costs_of(each))]
+    return float(np.median(costs)) * 1e3 if costs else 0.0
+
+
+def _time(mine: float, theirs: float) -> str:
+    said = f"A message of the robot costs {mine:.2g} ms of CPU, with all that follows"
+    if abs(mine - theirs) <= SAME * max(mine, theirs):
+        return f"{said}: what it costs the reference, as far as that can be measured."
+    return f"{said}; the reference {theirs:.2g} ms."
+
+
+def _runs(mine: Grading, theirs: Grading) -> str:
+    other = {each.name: each for each in theirs.recordings}
+    count = len(mine.recordings)
+    differ = [each for each in mine.recordings if _sent(each) != _sent(other[each.name])]
+    if not differ:
+        return f"In all {count} runs it sends what the reference sends, message for message."
+    names = ", ".join(each.name for each in differ[:4]) + (" …" if len(differ) > 4 else "")
+    far = max(_far(each, other[each.name]) for each in differ)
+    apart = f"at most {far:.2f} m" if far >= CLOSE else "nowhere as much as a centimetre"
+    said = f"In {len(differ)} of {count} runs it sends other messages than the reference ({names})"
+    return f"{said}, and the robot is {apart} from where the reference has it."
+
+
+def _far(mine: Recording, theirs: Recording) -> float:
+    """Return the largest distance of two robots at the same time [m]."""
+    a, b = mine.truth, theirs.truth
+    n = min(len(a.t), len(b.t))
+    return float(np.hypot(a.x[:n] - b.x[:n], a.y[:n] - b.y[:n]).max(initial=0.0))
+
+
+def _sent(recording: Recording) -> list[tuple[str, bytes]]:
+    hidden = ("/rosout", "/parameter_events")
+    return [(each.topic, each.data) for each in recording.published if each.topic not in hidden]
+
+
+def _drives(mine: Grading, theirs: Grading) -> list[str]:
+    """Say how it drives in the worlds where one's best is kept, where that is otherwise."""
+    said = []
+    for name in mine.exercise.best:
+        one, other = (_drive(grading, name) for grading in (mine, theirs))
+        if one != other:
+            said.append(f"{name}: {one}; the reference {other}.")
+    return said
+
+
+def _drive(grading: Grading, world: str) -> str:
+    found = [drive_in(each) for each in grading.recordings if each.name == world]
+    if not found or found[0] is None:
+        return "no drive"
+    time, kept, jolt = found[0]
+    near = "nothing near" if kept >= NOTHING else f"{kept:.2f} m kept"
+    return f"{time:.1f} s, {near}, speed changed by {jolt:.2f} m/s² on average"
+
+
+def _field(grading: Grading) -> str:
+    known = [check for check in grading.checks if check.kind == "field"]
+    failed = [check.title for check in known if check.outcome != PASS]
+    if failed:
+        return f"Of {len(known)} field checks it fails {len(failed)}: {' '.join(failed)}"
+    return f"It passes all {len(known)} field checks: other sensors and networks change nothing."
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write a file for each exercise."""
+    out = Path(arguments[0])
+    out.mkdir(parents=True, exist_ok=True)
+    with launcher_pool(most=1) as servers:
+        for exercise in map(find_exercise, arguments[1:]) if arguments[1:] else all_exercises():
+            made = json.dumps(ways_of(exercise, servers))
+            (out / f"{exercise.slug}.json").write_text(made, "utf-8")
+            print(f"{exercise.slug}: two ways", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
