@@ -16,7 +16,7 @@ import pytest
 
 from grader import cli
 from grader.course.exercises import ROOT
-from rclpy_virtual_time.link.hosts import ForkServer
+from grader.launchers import ForkServerPool
 from workspace.build import course_files, lay
 from workspace.runtime import REFUSED
 
@@ -44,6 +44,7 @@ DRIVEN = [
     ("plans", "errand.py --scenario demo_open --duration 3 --param limit:=2.0 --param limt:=9.0"),
     ("parameters", "adjustable.py --scenario live_knob"),
     ("index", "wander.py --scenario demo_store --seed 1 --duration 10"),
+    ("loop", "one_beam_agent.py --scenario demo_wall --at 4 --at 4.1"),
     # what goes wrong before a drive
     ("loop", "one_beam_agent.py"),
     ("loop", "one_beam_agent.py --scenario demo_wal"),
@@ -51,6 +52,8 @@ DRIVEN = [
     ("loop", "one_beam_agent.py --scenario demo_wall --seed x"),
     ("loop", "one_beam_agent.py --scenario demo_wall --param threshold=1"),
     ("loop", "one_beam_agent.py --scenario demo_wall another.py"),
+    ("loop", "one_beam_agent.py --scenario demo_wall --at 1 --at 2 --at 3"),
+    ("loop", "one_beam_agent.py --scenario demo_wall --at 15.5"),
     ("loop", "one_beam_agent.py --help"),
 ]
 
@@ -76,11 +79,13 @@ def said_by_page(folder: Path, orders: list[dict[str, str]]) -> list[dict[str, A
 
 @pytest.fixture
 def typed(
-    forkserver: ForkServer, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    forkservers: ForkServerPool,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> Callable[[str], str]:
     """Return what the command prints for what is typed, errors included."""
-    warm = contextlib.nullcontext(forkserver)
-    monkeypatch.setattr("grader.cli.drive.start_forkserver", lambda *_, **__: warm)
+    warm = lambda libraries=(), **_: contextlib.nullcontext(forkservers.of(libraries))  # noqa: E731
+    monkeypatch.setattr("grader.cli.drive.start_forkserver", warm)
     monkeypatch.setenv("COLUMNS", "80")
 
     def typed(command: str) -> str:
