@@ -32,6 +32,14 @@ LOAD = """(async () => {
   while (!said.textContent) await soon();
   return said.innerText;
 })()"""
+SAVE = """(async () => {
+  const make = URL.createObjectURL;
+  const saved = new Promise((keep) => {
+    URL.createObjectURL = (blob) => { keep(blob); return make(blob); };
+  });
+  document.querySelector('.ws-progress button').click();
+  return (await saved).text();
+})()"""
 FULL = """(() => { const set = Storage.prototype.setItem;
   Storage.prototype.setItem = function full(key, text) {
     if (text.includes('too much')) throw new DOMException('no', 'QuotaExceededError');
@@ -106,5 +114,6 @@ def test_what_is_loaded_is_added_or_refused_as_a_whole(
         assert {"v0", "v1"}.isdisjoint(points)
         assert (now["scenarios"], now["race"]) == ({"m.toml": "x", "m_2.toml": OWN}, {"w": BEST})
         assert json.loads(kept(OTHER))["text"] is None
-        say(doc({SLUG: came}))
-        assert json.loads(kept()) == now  # again: nothing more
+        for again in (doc({SLUG: came}), tab.value(SAVE)):
+            say(again)
+            assert json.loads(kept()) == now  # nothing more

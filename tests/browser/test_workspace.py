@@ -405,7 +405,9 @@ def test_two_tabs_do_not_overwrite_each_other(open_workspace: Any) -> None:
     page = open_workspace()
     settle(page)
     type_in(page, "# mine\n")
-    other = page.context.new_page()
+    other, late = (page.context.new_page() for _ in range(2))
+    late.goto(page.url.partition("#")[0])
+    late.get_by_role("button", name="Open the workspace").wait_for()
     other.goto(page.url)
     other.locator(".ws-news", has_text="open in another tab").wait_for(timeout=SLOW)
     type_in(other, "# theirs\n")
@@ -416,6 +418,9 @@ def test_two_tabs_do_not_overwrite_each_other(open_workspace: Any) -> None:
     other.reload()
     other.locator(".cm-line", has_text="theirs").wait_for()
     assert other.get_by_label("Earlier versions").locator("option").count() == 2
+    other.close()
+    late.get_by_role("button", name="Open the workspace").click()  # what it loaded is long gone
+    late.locator(".cm-line", has_text="theirs").wait_for()
 
 
 def test_a_python_that_a_node_broke_starts_anew(open_workspace: Any) -> None:

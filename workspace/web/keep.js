@@ -17,3 +17,9 @@ export async function keepForLater(manifest, more) {
   await navigator.serviceWorker.ready; // the page itself last: with it a visit needs no network
   await store.add(location.pathname);
 }
+
+/** Keep what is fetched once it is wanted; without https there is no store. */
+export async function alsoKeep(...names) {
+  const store = await globalThis.caches?.open(CACHE).catch(() => null);
+  await store?.addAll(names).catch(() => {});
+}

@@ -2,6 +2,7 @@
 // the same (grader/grading/progress.py). A file may come from anywhere: all of it is read strictly before anything is kept.
 
 import { el } from './element.js';
+import { alsoKeep } from './keep.js';
 import { KEPT, OWN, freeName, joined, keptOf, keyOf, split } from './shelf.js';
 import { button } from './workspace.js';
 
@@ -214,5 +215,6 @@ export function progressDialog(workspace, exercises) {
       button('Close', () => dialog.close())),
     said);
   workspace.dialog.append(dialog);
+  alsoKeep(import.meta.url);
   return dialog;
 }

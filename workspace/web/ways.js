@@ -2,6 +2,7 @@
 // Fetched once somebody has all points; grader/authoring/ways.py makes them, of real runs.
 
 import { el } from './element.js';
+import { alsoKeep } from './keep.js';
 import { showChanges, split } from './shelf.js';
 import { button } from './workspace.js';
 
@@ -9,8 +10,10 @@ const lines = (text) => text.split('\n').filter((line) => /^\s*[^\s#]/.test(line
 
 /** Return what offers the ways of a workspace's exercise. */
 export async function offer(workspace) {
-  const answer = await fetch(new URL(`../ways/${workspace.plan.slug}.json`, import.meta.url)).catch(() => null);
+  const file = new URL(`../ways/${workspace.plan.slug}.json`, import.meta.url).href;
+  const answer = await fetch(file).catch(() => null);
   if (!answer?.ok) return 'The server does not send others’ ways.';
+  alsoKeep(import.meta.url, file);
   const ways = await answer.json();
   return el('div', { class: 'ws-tools' }, button('Others’ ways', () => show(workspace, ways)), 'two more solutions with all points');
 }
