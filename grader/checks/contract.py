@@ -14,6 +14,7 @@ from grader.recording import Scan
 from sim.scenario import NodeSpec, Scenario
 
 Free = Callable[[Scenario, Scan], bool]
+RACE = ("demo_race_corridor", "demo_race_cart", "demo_race_leader")  # straight ahead, by /scan
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from itertools import product
 from grader.checks.ahead import HAIR, front_distances
 from grader.checks.case import Allowed, Case, Interval, Runs, answered, exactly
 from grader.checks.commands import answers
-from grader.checks.contract import Contract, free_from
+from grader.checks.contract import RACE, Contract, free_from
 from grader.checks.parameters import Order, orders
 from grader.checks.verbs import TOLERANCE, require_allowed
 from grader.checks.wiring import require_alive
@@ -29,7 +29,7 @@ Settings = dict[str, str | bool | int | float]
 RANGES = {"cruise_speed": (0.0, 0.5), "stop_distance": (0.3, 2.0), "slow_distance": (0.3, 4.0)}
 DEFAULTS: Settings = {"cruise_speed": 0.3, "stop_distance": 0.5, "slow_distance": 1.0}
 DOUBLE = 3  # of rcl_interfaces/msg/ParameterType
-CONTRACT = Contract(free=free_from(0.55), race=("avoid_corridor", "avoid_cart", "avoid_store"))
+CONTRACT = Contract(free=free_from(0.55), race=RACE)
 SET = "/live_parameters_agent/set_parameters"
 UNSAFE = (
     "Is every value of the command line checked, its type, its range, and whether the two distances"

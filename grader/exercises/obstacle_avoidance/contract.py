@@ -7,7 +7,7 @@ from functools import lru_cache
 from grader.checks.ahead import HAIR, front_distances
 from grader.checks.case import Case, answered, exactly
 from grader.checks.commands import answers
-from grader.checks.contract import Contract, free_from
+from grader.checks.contract import RACE, Contract, free_from
 from grader.recording import Recording, Scan
 
 STOP_DISTANCE = 0.5  # [m] nearer than this: stop
@@ -17,7 +17,7 @@ SLOW_SPEED = 0.15  # [m/s]
 CLEARANCE = 0.2  # [m] between the robot's edge and anything else
 
 FREE = free_from(0.55)
-CONTRACT = Contract(free=FREE, search_for=8.0, race=("avoid_corridor", "avoid_cart", "avoid_store"))
+CONTRACT = Contract(free=FREE, search_for=8.0, race=RACE)
 
 
 def cases(recording: Recording) -> list[Case]:

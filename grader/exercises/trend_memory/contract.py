@@ -12,7 +12,7 @@ import numpy as np
 from grader.checks.ahead import HAIR, HALF_ANGLES, front_distance
 from grader.checks.case import Case, answered, exactly
 from grader.checks.commands import Answer, answers, published
-from grader.checks.contract import Contract, Limits, free_from
+from grader.checks.contract import RACE, Contract, Limits, free_from
 from grader.recording import Recording, Scan
 from sim.messages import FLOAT64
 
@@ -30,7 +30,7 @@ CONTRACT = Contract(
     limits=Limits(fastest=0.3),
     free=free_from(0.65),
     patience=4.0,
-    race=("trend_wall", "trend_cart", "avoid_corridor"),
+    race=RACE,
 )
 
 

@@ -133,7 +133,7 @@ def test_a_class_is_ranked_and_what_is_no_result_is_left_out_by_name(tmp_path: P
     found, said = standings(tmp_path)
     rows = class_rows(FIRST, found[FIRST.slug])
     assert [row[:2] for row in rows[1:]] == [["1.", "Ada"], ["1.", "Cyd"], ["3.", "=cmd()|Bob"]]
-    assert rows[3][2:] == ["9.00", "9.00", "-", "0.31", "0.28"]
+    assert rows[3][2:] == ["9.00", "9.00", "-", "0.30", "0.57"]
     assert said.pop() == "Ada: 2 results, ada.json, b/ada.json; ada.json counts"
     left = {f"{name}.json" for name in (*hostile(), "link", "folder")}
     assert {line.partition(": left out: ")[0] for line in said} == left
