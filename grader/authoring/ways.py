@@ -31,7 +31,6 @@ from grader.recording.costs import costs_of
 
 CLAIM = re.compile(r'\n\n(?:file|field):.*?\n(?=""")', re.DOTALL)  # of a variant, for the proof
 CLOSE = 0.01  # [m]
-NOTHING = 10.0  # [m] of clearance: nothing is measured beyond
 SAME = 1 / 3  # of a time: less is not told apart, for the machine has other things to do, too
 
 
@@ -115,22 +114,15 @@ def _sent(recording: Recording) -> list[tuple[str, bytes]]:
 
 
 def _drives(mine: Grading, theirs: Grading) -> list[str]:
-    """Say how it drives in the worlds where one's best is kept, where that is otherwise."""
-    said = []
-    for name in mine.exercise.best:
-        one, other = (_drive(grading, name) for grading in (mine, theirs))
-        if one != other:
-            said.append(f"{name}: {one}; the reference {other}.")
-    return said
-
-
-def _drive(grading: Grading, world: str) -> str:
-    found = [drive_in(each) for each in grading.recordings if each.name == world]
-    if not found or found[0] is None:
-        return "no drive"
-    time, kept, jolt = found[0]
-    near = "nothing near" if kept >= NOTHING else f"{kept:.2f} m kept"
-    return f"{time:.1f} s, {near}, speed changed by {jolt:.2f} m/s² on average"
+    """Say how long it drives in the worlds where one's best is kept, where that is otherwise."""
+    worlds = mine.exercise.best
+    one, other = (
+        {each.name: drive.time for each in grading.recordings
+         if each.name in worlds and (drive := drive_in(each))}
+        for grading in (mine, theirs)
+    )  # fmt: skip
+    return [f"{name}: {one[name]:.1f} s; the reference {other[name]:.1f} s."
+            for name in one if one[name] != other.get(name, one[name])]  # fmt: skip
 
 
 def _field(grading: Grading) -> str:
