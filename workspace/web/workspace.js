@@ -317,9 +317,10 @@ export class Workspace {
 
   /** Make a run of the replay again, to look into moments [s] of it; return what is told of them. */
   async lookInto(number, at) {
-    const [call, order, text, kept] = this.runs[this.playing[number]];
+    const made = this.runs[this.playing[number]];
+    if (this.busy || !made) return undefined;
+    const [call, order, text, kept] = made;
     let tables;
-    if (this.busy) return tables;
     await this.work(async () => {
       this.again = true; // what it prints is known
       try {
