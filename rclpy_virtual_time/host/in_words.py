@@ -34,7 +34,7 @@ from .wire import sendable
 ENTRIES, FIELDS, DEPTH = 5, 14, 5  # of a sequence, of an object, and of what is in them
 PARTS = 150  # of a value in all
 CHARACTERS = 80  # of a text
-MOST = 10**60  # of an int
+MANY, MOST = 10**6, 10**60  # of a number: stamps in seconds are shown to the millisecond
 LARGE = 10_000  # entries of an array whose least and greatest are not looked for
 LOOKED_AT = 200  # variables, of which some are shown
 ROS = ("rclpy.", "tf2_ros", "message_filters")  # modules of classes that say nothing of a program
@@ -162,9 +162,13 @@ def _in_order(value: Any) -> Iterator[tuple[str, Any]]:
     return ((name, kept[f"_{name}"]) for name in names if f"_{name}" in kept)
 
 
-def _listed(values: Iterable[Any], size: int, depth: int) -> str:
-    texts = [_words(each, depth) for each in islice(values, ENTRIES)]
-    return ", ".join([*texts, f"… {size - len(texts):,} more"] if size > len(texts) else texts)
+def _listed(values: Any, size: int, depth: int) -> str:
+    """Return the first entries; of a long sequence the last two as well: a history grows there."""
+    last = [values[-2], values[-1]] if len(values) == size > ENTRIES else []
+    texts = [_words(each, depth) for each in islice(values, ENTRIES - len(last))]
+    left = size - len(texts) - len(last)
+    more = [f"… {left:,} more"] if left else []
+    return ", ".join([*texts, *more, *(_words(each, depth) for each in last)])
 
 
 def _text(value: Any, _: int) -> str:
@@ -195,6 +199,14 @@ def _in(left: str, right: str) -> Callable[[Any, int], str]:
     return lambda value, depth: f"{left}{_listed(value, len(value), depth)}{right}"
 
 
+def _set(value: Any, depth: int) -> str:
+    return f"{{{_listed(list(islice(value, ENTRIES)), len(value), depth)}}}"
+
+
+def _float(value: float, _: int) -> str:
+    return f"{value:.3f}" if MANY < abs(value) < MOST else f"{value:.7g}"
+
+
 def _int(value: int, _: int) -> str:
     return str(value) if abs(value) < MOST else f"<int of {value.bit_length()} bits>"
 
@@ -207,13 +219,13 @@ _HOW: dict[int, Callable[[Any, int], str]] = {
     id(type(None)): lambda *_: "None",
     id(bool): lambda value, _: str(value),
     id(int): _int,
-    id(float): lambda value, _: f"{value:.7g}",
+    id(float): _float,
     **dict.fromkeys(map(id, (str, bytes, bytearray)), _text),
     **dict.fromkeys(_nanoseconds, _time),
     id(np.ndarray): _numbers,
     id(array.array): lambda value, depth: _numbers(np.asarray(value), depth) if value else "[]",
     **dict.fromkeys(map(id, (list, collections.deque)), _in("[", "]")),
     id(tuple): _in("(", ")"),
-    **dict.fromkeys(map(id, (set, frozenset)), _in("{", "}")),
+    **dict.fromkeys(map(id, (set, frozenset)), _set),
     **dict.fromkeys(map(id, DICTIONARIES), _dictionary),
 }
