@@ -2,10 +2,10 @@
 // Fetched once somebody races; the figures are those of grader/drive/race.py.
 
 import { el } from './element.js';
+import { alsoKeep } from './keep.js';
 import { button } from './workspace.js';
 
-const HERE = new URL('.', import.meta.url);
-const FILES = ['race.js', 'race.json'].map((name) => new URL(name, HERE).href);
+const REFERENCES = new URL('race.json', import.meta.url).href;
 const [SHORT, LONG] = [24, 2000]; // characters of a nickname; moments of a track
 const COLUMNS = { nearest: 'nearest [m]', median: 'median [m]', acceleration: 'accel. [m/s²]', turning: 'turning [rad/s²]' };
 const WHAT = {
@@ -17,9 +17,9 @@ const MORE = 'Nearest and median: the distance kept to whatever is near. Accel. 
 
 /** Return the references' laps and tracks of an exercise, by the world; none where the server does not answer. */
 async function references(slug) {
-  const answer = await fetch(FILES[1]).catch(() => null);
+  const answer = await fetch(REFERENCES).catch(() => null);
   if (!answer?.ok) return {};
-  globalThis.caches?.open('course-workspace').then((store) => store.addAll(FILES)).catch(() => {}); // for a visit without a network
+  alsoKeep(import.meta.url, REFERENCES);
   return (await answer.json())[slug] ?? {};
 }
 
