@@ -5,10 +5,13 @@ python -m rclpy_virtual_time.host CONTROL_FD EPOCH_NS KIND LAYER,… LANDLOCK AD
 
 from __future__ import annotations
 
+import gc
 import socket
 import sys
 
-from .forkserver import serve
+gc.disable()  # imports leave little to collect; `serve` enables it
+
+from .forkserver import serve  # noqa: E402
 
 control, epoch, kind, layers, landlock, advice, *libraries = sys.argv[1:]
 judge = socket.socket(fileno=int(control))

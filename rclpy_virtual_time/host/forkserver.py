@@ -95,7 +95,12 @@ def serve(
     body = prepared(kind, epoch, advice, libraries)
     means = sandbox_layers.prepare(layers, may_mount=may_mount, newest=landlock)
     control.sendall(msgspec.json.encode(means))
+    if kind == NODES:
+        _load_libraries()
+        imports.host.lay_aside([name.partition(".")[0] for name in (__name__, advice)])
+    gc.enable()  # its imports were made without
     gc.freeze()
+    _fill_heap()
     children: dict[int, Child] = {}  # by pidfd
     while True:
         readable, _, _ = wait_for_real([control.fileno(), *children], [], [])
@@ -107,6 +112,43 @@ def serve(
             break
     for pidfd, child in children.items():  # the judge is gone, maybe killed: so are its hosts
         _bury(pidfd, child, alone=True)
+
+
+def _load_libraries() -> None:
+    """Load the shared libraries that a node's endpoints ask for by name, not in each host anew."""
+    import ctypes  # noqa: PLC0415
+    import pwd  # noqa: PLC0415  (only Unix has it)
+
+    from .sandbox import users  # noqa: PLC0415
+
+    for package in {name.partition("/")[0] for name in TYPES}:
+        for kind in ("fastrtps_c", "introspection_c"):
+            with contextlib.suppress(OSError):
+                ctypes.CDLL(f"lib{package}__rosidl_typesupport_{kind}.so")
+    with contextlib.suppress(KeyError):  # Fast DDS asks who it is, which loads glibc's plug-ins
+        pwd.getpwuid(users.USERS.start)
+
+
+def _fill_heap() -> None:
+    """Take up the gaps that imports have left in the heap of the C library, for good.
+
+    They lie in a thousand pages. Of each that a host wrote to, Linux would have to make a copy.
+    """
+    import ctypes  # noqa: PLC0415
+
+    class Mallinfo(ctypes.Structure):
+        _fields_ = (("other", ctypes.c_size_t * 9), ("keepcost", ctypes.c_size_t))
+
+    libc = ctypes.CDLL(None)
+    if not hasattr(libc, "mallinfo2"):  # glibc has it since 2.33
+        return
+    libc.mallinfo2.restype = Mallinfo
+    libc.malloc.restype, libc.malloc.argtypes = ctypes.c_void_p, (ctypes.c_size_t,)
+    libc.sbrk.restype, libc.sbrk.argtypes = ctypes.c_size_t, (ctypes.c_ssize_t,)
+    end = libc.sbrk(0) - libc.mallinfo2().keepcost
+    for size in (2**power - 8 for power in range(16, 4, -1)):
+        while (libc.malloc(size) or end) < end:
+            pass
 
 
 def prepared(kind: str, epoch: int, advice: str, libraries: Sequence[str]) -> Body:
@@ -128,6 +170,7 @@ def prepared(kind: str, epoch: int, advice: str, libraries: Sequence[str]) -> Bo
 def settle(advice: str, libraries: Sequence[str]) -> None:
     """Import what else hosts need; nothing is imported for them after that."""
     advice_module.use(advice)
+    imports.host.warm()
     _import(libraries)
     inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
     imports.host.settle()
@@ -349,7 +392,7 @@ def _warm_up(*, virtual: bool = True) -> None:
     from .interfaces import native  # noqa: F401, PLC0415  (no host may read rclpy_portable)
 
     if virtual:
-        from . import program  # noqa: F401, PLC0415
+        from . import asked, program  # noqa: F401, PLC0415
         from .virtual import bridge, executors, programs, session  # noqa: F401, PLC0415
     else:
         from .real_time import node  # noqa: F401, PLC0415

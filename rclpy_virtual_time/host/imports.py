@@ -43,6 +43,7 @@ class Imports:
 
     def __init__(self) -> None:
         self._bare: frozenset[str] = frozenset()  # that every program begins with
+        self._own: frozenset[str] = frozenset()  # that the host itself needs
         self._imported: dict[str, set[str]] = {}  # by each module's top level
         self._wanted: dict[str, dict[str, list[str]]] = {}  # by compiled modules, of others
         self._left: dict[str, dict[str, Any]] = {}  # what the top level of a package has left
@@ -116,6 +117,10 @@ class Imports:
         python._load_unlocked, python._gcd_import = load, absolute
         self._end_watch = end
 
+    def warm(self) -> None:
+        """All has been imported that the host itself needs: what comes now is for programs."""
+        self._own = frozenset(sys.modules)
+
     def settle(self) -> None:
         """End the watch: all has been imported that the host needs."""
         if self._end_watch is None:
@@ -132,6 +137,29 @@ class Imports:
                 noted.update(v.__name__ for v in found if sys.modules.get(v.__name__) is v)
         for name, left in self._left.items():
             self._find_late(name, left)
+
+    def lay_aside(self, owners: Collection[str]) -> None:
+        """Set aside what only programs need, before hosts are forked.
+
+        Each host would write to a thousand pages for it, which Linux copies first. `owners` are the
+        packages whose modules, with all that they import, a host may need before its program.
+        """
+        theirs = [name for name in sys.modules if name.partition(".")[0] in owners]
+        self._set_aside(self._own.union(*map(self._reached, theirs)))
+
+    def _set_aside(self, kept: frozenset[str]) -> None:
+        """Take all other modules from the host, and off the packages on which they were put."""
+        kept = self._bare | NEEDED | kept
+        for name in [n for n in sys.modules if n not in kept]:
+            self._aside.setdefault(name, sys.modules.pop(name))
+        late, self._late = self._late, []
+        for names, key, before, name in late:
+            if name not in self._aside or names.get(key) is not self._aside[name]:
+                self._late.append((names, key, before, name))
+            elif before is MISSING:
+                del names[key]
+            else:
+                names[key] = before
 
     def _note(self, name: str) -> None:
         if self._running and self._running[-1] != name:
@@ -180,21 +208,14 @@ class Imports:
         sys.path[:0] = [folder for folder in self._folders if folder not in sys.path]
         if self in sys.meta_path or self._end_watch is None:
             return
-        kept = self._bare | NEEDED
-        self._aside = {n: sys.modules.pop(n) for n in list(sys.modules) if n not in kept}
-        for names, key, before, name in self._late:
-            if name not in self._aside or names.get(key) is not self._aside[name]:
-                continue
-            if before is MISSING:
-                del names[key]
-            else:
-                names[key] = before
+        self._set_aside(frozenset())
         if ROOT in sys.path and ROOT not in self._folders:
             sys.path.remove(ROOT)
         sys.meta_path.insert(0, self)
         self._beside = {name for name in self._names_beside() if self._is_another(name)}
-        for name in [n for n in self._aside if n.partition(".")[0] in self._beside]:
-            del self._aside[name]
+        if self._beside:
+            for name in [n for n in self._aside if n.partition(".")[0] in self._beside]:
+                del self._aside[name]
 
     def leave(self) -> None:
         """The program is over: nothing is hidden from the host any more."""
