@@ -48,5 +48,6 @@ def test_ways_are_shown_after_full_marks_and_asked_for_only_then(
     phone.locator(".ws-tabs button", has_text="Checks").tap()
     phone.get_by_role("button", name=NAME).tap()
     phone.locator(".ws-way summary").last.tap()
+    phone.locator(".ws-way details[open]").wait_for()
     assert axe(phone) == []
     assert phone.evaluate("document.documentElement.scrollWidth <= innerWidth")
