@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -66,8 +67,9 @@ class Elsewhere:
 )  # fmt: skip
 @click.option(
     "--at", "at", type=click.FloatRange(0, 3600), multiple=True, metavar="S",
-    help="Show the callback that ran last by then: what came, what the node kept, what it sent and "
-    "its locals there; of several programs each one's. Given twice: side by side.",
+    help="Show the callback that began last by then, to the hundredth shown: what came, what the "
+    "node kept, what it sent and its locals there; of several programs each one's. Given twice: "
+    "side by side.",
 )  # fmt: skip
 @click.option(
     "--log", "log", metavar="N|all", default="10", help="Lines of what the node said to show."
@@ -175,7 +177,7 @@ def drive(
         rest=driving.IN_REPLAY if elsewhere else "--log all shows them all",
     )  # fmt: skip
     for said in submission.account():
-        echo(f"  {said}")
+        echo(textwrap.fill(f"  {said}", 80, subsequent_indent="  ", break_on_hyphens=False))
     driving.print_moments(recording, at)
     if report is not None:
         write_report(report, None, [recording], f"Drive of {file.name}")

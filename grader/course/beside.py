@@ -17,7 +17,7 @@ MAX_PYTHON = 1024 * 1024  # [bytes] of a Python file
 MAX_DEPTH = 6  # folders below
 MAX_LISTED = 5_000  # names that are looked at
 MAX_NAME = 200  # [characters] of a path
-NAMED = 6  # files in a sentence
+NAMED = 4  # files in a sentence
 
 NOT_THEIRS = {"__MACOSX", "__pycache__", "node_modules", "venv", "site-packages"}
 MADE = ("COLCON_IGNORE", "pyvenv.cfg")  # in colcon's build, install and log; in an environment
@@ -57,8 +57,7 @@ def beside(folder: Path) -> Beside:
 def chosen(there: Iterable[Lying], links: Iterable[str] = ()) -> Beside:
     """Return the accompanying files among these."""
     files: dict[str, Path] = {}
-    left = [f"{name} (a link, which is not followed)" for name in links if name.isprintable()]
-    over, size = [], 0
+    left, over, size = list[str](), [], 0
     there = sorted(there, key=_rank)
     setups = {PurePosixPath(each.name).parent for each in there if each.name.endswith(SETUP)}
     for each in there:
@@ -75,7 +74,9 @@ def chosen(there: Iterable[Lying], links: Iterable[str] = ()) -> Beside:
     if over:
         limits = f"{MAX_FILES} files, {MAX_BYTES >> 20} MiB in all"
         left.append(f"{listed(over)} (over the limits: {limits})")
-    return Beside(files, tuple(left[:NAMED]))
+    if links := [name for name in links if name.isprintable()]:
+        left.append(f"{listed(links)} (a link, which is not followed)")
+    return Beside(files, tuple(left[-NAMED:]))
 
 
 def may_come(name: str, *, manual: bool = False) -> bool:

@@ -37,8 +37,9 @@ def tables_of(recording: Recording, at: Sequence[float]) -> list[dict[str, Any]]
 
     A row has the `part` of the table, a `name`, a text for each of the moments `at` [s], and
     whether it is `marked`: what is different between two moments; of one, what the callback
-    changed. `place` is that of the first moment's function: "node.py, line 12".
+    changed. The earlier moment is first. `place` is that of its function: "node.py, line 12".
     """
+    at = sorted(at)
     asked = [asked_at(time, recording.scenario) for time in at]
     programs = dict.fromkeys(file for file, _ in recording.moments)
     tables = []
@@ -48,7 +49,7 @@ def tables_of(recording: Recording, at: Sequence[float]) -> list[dict[str, Any]]
         names = sorted(dict.fromkeys(key for each in cells for key in each), key=lambda key: key[0])
         rows = [_row(key, [each.get(key, ("", False)) for each in cells]) for key in names]
         place = next(iter(found.values())).place.line
-        columns = [f"by {time:.2f} s" for time in at]
+        columns = [f"last by {time:.2f} s" for time in at]
         title = f"What ran in {program}" if len(programs) > 1 else "What ran"
         tables.append({"title": title, "columns": columns, "place": place, "rows": rows})
     return tables
@@ -109,6 +110,8 @@ def print_moments(recording: Recording, at: Sequence[float]) -> None:
         console.print(f"  {LIVE if recording.live else NOTHING.format(f'{max(at):.2f} s')}")
     for table in tables:
         console.print(f"\n[bold]{escape(readable(table['title']))}[/]")
+        if any(row["marked"] for row in table["rows"]):
+            console.print(f"  {MARKS[len(at) - 1]}", style="dim")
         grid = Table.grid(padding=(0, 2, 0, 0))
         for _ in range(2 + len(at)):
             grid.add_column(overflow="fold")
@@ -123,5 +126,3 @@ def print_moments(recording: Recording, at: Sequence[float]) -> None:
                 f" {mark}", escape(row["name"]), *(escape(each) or "-" for each in row["cells"])
             )
         console.print(grid)
-        if any(row["marked"] for row in table["rows"]):
-            console.print(f"  {MARKS[len(at) - 1]}", style="dim")

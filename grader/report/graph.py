@@ -45,6 +45,7 @@ class _Link(NamedTuple):
 
 
 Topics = dict[tuple[str, str], list[_Link]]
+Bad = set[tuple[str, str]]  # topics with a fault, or that the robot would hear instead
 
 
 def graph_html(recording: Recording, *, judge: bool = True) -> str:
@@ -61,6 +62,10 @@ def graph_html(recording: Recording, *, judge: bool = True) -> str:
     numbers = {end: i for i, end in enumerate(faults, 1)}
     shown = sorted(ends, key=lambda end: end not in faults)[:MOST]
     topics = _topics([*_own(wiring, shown, numbers), *_robots(recording, wiring, bool(faults))])
+    meant = any(text.endswith(CMD_VEL_TOPIC) for text in faults.values())
+    bad = {t for t, links in topics.items() if any(e.number for e in links)}
+    bad |= {t for t, links in topics.items()
+            if meant and t[0] == CMD_VEL_TOPIC and all(e.side for e in links)}  # fmt: skip
     nodes, counts = len({end.node for end in shown}), Counter(what for _, what in topics)
     counted = [_plural(counts[what], what) for what in TO.values() if counts[what]]
     about = ", ".join([_plural(nodes, "node"), *counted])
@@ -77,7 +82,8 @@ def graph_html(recording: Recording, *, judge: bool = True) -> str:
         f'<details class="graph-part{kind}"{" open" * bool(silent)}>'
         f"<summary>The graph <span>{about}</span>{told}</summary>"
         f'<div class="graph">{f"<ol>{items}</ol>" if items else ""}'
-        f"{_svg(topics, f'The graph: {about}. The table says the same.')}{_table(topics)}"
+        f"{_svg(topics, bad, f'The graph: {about}. The table says the same.')}"
+        f"{_table(topics, bad)}"
         "</div></details>"
     )
 
@@ -123,12 +129,11 @@ def _topics(links: Sequence[_Link]) -> Topics:
 # --- the drawing ----------------------------------------------------------------------------------
 
 
-def _svg(topics: Topics, label: str) -> str:
+def _svg(topics: Topics, bad: Bad, label: str) -> str:
     """Return the drawing: nodes that send, topics, nodes that hear, from left to right."""
     texts = {topic: _inside(topic, links) for topic, links in topics.items()}
     middles, height = _stack([*texts.values()], [0.0] * len(texts))
     middle = dict(zip(topics, middles, strict=True))
-    bad = {topic for topic, links in topics.items() if any(link.number for link in links)}
     drawn = ""
     for side, x in enumerate((0, WIDTH - NODE)):
         rows: dict[tuple[str, object], list[_Link]] = {}  # a box's links, by name and presence
@@ -137,15 +142,14 @@ def _svg(topics: Topics, label: str) -> str:
                 if link.side == side:
                     rows.setdefault((link.node, None), []).append(link)
             if topic in bad and all(link.side != side for link in links):
-                rows[NOBODY, topic] = [_Link(topic, side, NOBODY, "")]
+                rows[NOBODY, topic] = [_Link(topic, side, NOBODY, "", number=-1)]
         names = [[(line, "") for line in _wrapped(name, OF_NODE)] for name, _ in rows]
         wanted = [mean(middle[link.topic] for link in links) for links in rows.values()]
         middles, bottom = _stack(names, wanted)
         height = max(height, bottom)
         for y, lines, (name, absent) in zip(middles, names, rows, strict=True):
             kind = "nobody" if absent else "robot" if name == ROBOT else "node"
-            links = [] if absent else rows[name, absent]
-            drawn += "".join(_edge(y, middle[e.topic], e) for e in links)
+            drawn += "".join(_edge(y, middle[e.topic], e) for e in rows[name, absent])
             drawn += _box(f"graph-{kind}", x, y, NODE, lines)
     for topic, lines in texts.items():
         kind = f"graph-topic{' is-bad' * (topic in bad)}"
@@ -205,6 +209,8 @@ def _edge(node: float, topic: float, link: _Link) -> str:
     half, to, y = x + GAP / 2, x + GAP, (begin + end) / 2
     way = f"M{x} {begin:g}C{half:g} {begin:g} {half:g} {end:g} {to - 4} {end:g}"
     drawn = f'<path d="{way}"/><path class="graph-head" d="M{to - 7} {end - 4:g}l7 4l-7 4z"/>'
+    if link.number < 0:  # nobody's
+        return f'<g class="graph-edge is-missing"><path d="{way}"/></g>'
     if not link.number:
         return f'<g class="graph-edge">{drawn}</g>'
     mark = f'<circle cx="{half:g}" cy="{y:g}" r="9"/><text x="{half:g}" y="{y + 4:g}">'
@@ -224,25 +230,26 @@ def _wrapped(name: str, most: int) -> list[str]:
 # --- in words -------------------------------------------------------------------------------------
 
 
-def _table(topics: Topics) -> str:
+def _table(topics: Topics, bad: Bad) -> str:
     rows = "".join(
-        f'<tr><th scope="row">{_name(name)}<span>'
+        f'<tr><th scope="row">{_name(topic[0])}<span>'
         f"{_name(' and '.join(dict.fromkeys(link.type for link in links)))}</span></th>"
-        f"{_cell(links, 0)}{_cell(links, 1)}</tr>"
-        for (name, _), links in topics.items()
+        f"{_cell(links, 0, topic in bad)}{_cell(links, 1, topic in bad)}</tr>"
+        for topic, links in topics.items()
     )
     heads = "".join(f'<th scope="col">{head}</th>' for head in ("Topic, type", "From", "To"))
     return f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
 
 
-def _cell(links: Iterable[_Link], side: int) -> str:
+def _cell(links: Iterable[_Link], side: int, bad: bool) -> str:
     told = "".join(
         f"<p>{_name(link.node)}<span>{_said(', '.join(filter(None, link[4:6])))}</span>"
         + (f'<b class="graph-sign">✗ {link.number}</b></p>' if link.number else "</p>")
         for link in links
         if link.side == side
     )
-    return f"<td>{told or NOBODY}</td>"
+    nobody = f'<b class="graph-sign">✗ {NOBODY}</b>' if bad else NOBODY
+    return f"<td>{told or nobody}</td>"
 
 
 def _plural(count: int, what: str) -> str:

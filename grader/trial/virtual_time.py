@@ -348,8 +348,11 @@ class _Trial:
 
 
 def asked_at(time: float, scenario: Scenario) -> int:
-    """Return the moment [ns] at a time [s] of a scenario, the last of it if that is later."""
-    return max(0, min(round(time * 1e9), round(scenario.duration * 1e9) - 1))
+    """Return the moment [ns] at a time [s] of a scenario, the last of it if that is later.
+
+    Times are shown in hundredths, and what is shown as that time is part of it.
+    """
+    return max(0, min(round(time * 100) * 10**7 + 5 * 10**6, round(scenario.duration * 1e9) - 1))
 
 
 def _discovery(scenario: Scenario) -> Discovery:

@@ -49,7 +49,9 @@ def test_a_knob_is_turned_answered_undone_and_saved(
     row.get_by_role("slider").fill("0.1")
     row.get_by_role("button", name="Set cruise_speed").click()
     assert settle(page).startswith("2.00 s: cruise_speed:=0.1: accepted. Driven to the end")
-    replay.locator(".clock", has_text="2.00 /").wait_for()  # it goes on from there
+    replay.locator(".clock", has_text="2.00 /").wait_for()  # and stays there
+    frame = page.locator(".ws-replay iframe").element_handle().content_frame()
+    assert frame.evaluate("window.replayPlayer.time") == 2.0
     assert "now 0.1" in row.inner_text()
     slow = page.get_by_label("slow_distance", exact=True)
     for moment, value, said in (
@@ -66,10 +68,14 @@ def test_a_knob_is_turned_answered_undone_and_saved(
     settle(page)
     with page.expect_download() as download:
         page.get_by_role("button", name="Save as a scenario").click()
+    assert settle(page) == "Saved: demo_wall_by_hand.toml."
     command = "course drive live_parameters_agent.py --scenario demo_wall_by_hand.toml"
     assert command in page.locator(".ws-hand").inner_text()
     orders = tomllib.loads(download.value.path().read_text("utf-8"))["program"][1]["arguments"]
     assert orders[1:] == ["2.0 cruise_speed:=0.1", "3.0 slow_distance:=0.4"]
+    at(page, 15.0)
+    page.get_by_role("button", name="Set cruise_speed").click()
+    assert settle(page).startswith("The run is over")
 
 
 def test_a_box_is_put_where_the_map_was_clicked_and_another_drive_begins_anew(

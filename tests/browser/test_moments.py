@@ -60,6 +60,11 @@ def test_two_moments_of_a_drive_stand_side_by_side(
     at(page, 4.01)
     page.get_by_role("button", name="Compare 4.01 s with 2.01 s").click()
     page.locator(".ws-tables th[scope=col]").nth(1).wait_for()
+    at(page, 1.01)
+    page.get_by_role("button", name="Compare 1.01 s with 2.01 s").click()
+    page.locator(".ws-tables th[scope=col]", has_text="1.01").wait_for()
+    assert "2.01" in page.locator(".ws-tables th[scope=col]").nth(1).inner_text()
+    page.locator(".ws-tables th[scope=col]").nth(1).wait_for()
     assert len(told(page)["* pose"]) == 2
     assert told(page)["Called by"] == ["a message on /odom"] * 2
     assert axe(page) == []
@@ -69,6 +74,24 @@ def test_two_moments_of_a_drive_stand_side_by_side(
     page.locator(".ws-tables th", has_text="by 3.01 s").wait_for()
     assert "odom_callback" in told(page)["Function"][0]
     assert page.locator(".cm-lintRange-info").count() == 0
+    assert page.locator(".ws-look .ws-since").is_visible()  # and it is said
+
+
+def test_a_look_leaves_what_failed_marked_and_a_new_run_is_told_of(open_served: Any) -> None:
+    page = begun(open_served, "live_parameters")
+    for _ in range(2):
+        text = (find_exercise("live_parameters").solutions / "live_parameters_agent.py").read_text()
+        type_in(page, text.replace("twist = Twist()", "twist = Twist(1 / 0)"))
+        page.keyboard.press("Control+Enter")
+        assert "ended early" in settle(page)
+        assert page.locator(".ws-printed").is_visible()  # no panel hides it
+        assert page.locator(".ws-look .ws-since").is_hidden()
+        page.locator(".ws-look summary").click()
+        page.locator(".ws-tables table").wait_for()
+        settle(page)
+        assert page.locator(".ws-printed").is_hidden()
+        assert page.locator(".cm-lintRange-info").count() == 1
+        assert page.locator(".cm-lintRange-error").count() == 1
 
 
 def test_a_moment_of_a_check_on_a_phone(open_served: Any, axe: Callable[[Any], list[str]]) -> None:

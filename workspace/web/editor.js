@@ -4,7 +4,7 @@ import { autocompletion, completeFromList, ifNotIn, moveCompletionSelection, set
 import { basicSetup } from 'codemirror';
 import { python, pythonLanguage } from '@codemirror/lang-python';
 import { indentUnit, syntaxHighlighting } from '@codemirror/language';
-import { lintGutter, setDiagnostics } from '@codemirror/lint';
+import { forEachDiagnostic, lintGutter, setDiagnostics } from '@codemirror/lint';
 import { EditorState, Prec } from '@codemirror/state';
 import { EditorView, keymap } from '@codemirror/view';
 import { classHighlighter } from '@lezer/highlight';
@@ -61,14 +61,17 @@ export function makeEditor({ parent, text, label, onChange, words }) {
     set text(value) {
       view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: value } });
     },
-    mark(line, message, severity) {
+    mark(line, message, severity) { // an "info" leaves what is wrong marked
+      const kept = [];
+      if (severity === 'info') forEachDiagnostic(view.state, (each, from, to) => kept.push({ ...each, from, to }));
+      const wrong = kept.filter((each) => each.severity !== 'info');
       if (!line || line > view.state.doc.lines) {
-        view.dispatch(setDiagnostics(view.state, []));
+        view.dispatch(setDiagnostics(view.state, wrong));
         return;
       }
       const { from: start, to, text: code } = view.state.doc.line(line);
       const from = start + code.search(/\S|$/);
-      view.dispatch(setDiagnostics(view.state, [{ from, to, severity, message }]));
+      view.dispatch(setDiagnostics(view.state, [...wrong, { from, to, severity, message }]));
       view.dispatch({ effects: EditorView.scrollIntoView(from, { y: 'center' }) });
     },
     focus() { view.focus(); },

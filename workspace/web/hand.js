@@ -39,7 +39,9 @@ export class Hand {
       } });
     this.body = el('div', { class: 'ws-hand-body' });
     this.element = el('details', { class: 'ws-below ws-hand', 'data-pane': 'replay', name: 'ws-below', hidden: true },
-      el('summary', {}, 'By hand', this.moment), el('div', { class: 'ws-moment' }, this.slider), this.body);
+      el('summary', {}, 'By hand', this.moment),
+      el('p', { class: 'ws-since' }, 'Your code has changed since. What you do here drives the changed code.'),
+      el('div', { class: 'ws-moment' }, this.slider), this.body);
   }
 
   /** What was done belongs to a drive, called by its words: in another, nothing has been done yet. */
@@ -179,9 +181,10 @@ export class Hand {
   }
 
   do(deed) {
+    if (!deed.box && this.slider.max && this.at > this.slider.max - 0.005) return this.say('The run is over: go to a moment before its end.');
     const now = Number(Math.max(FIRST, this.at).toFixed(2));
     const made = { at: deed.box ? 0 : now, ...deed };
-    this.redo([...this.deeds, made], made);
+    return this.redo([...this.deeds, made], made);
   }
 
   undo(deed) { this.redo(this.deeds.filter((each) => each !== deed), null, deed.at); }

@@ -21,6 +21,7 @@ export class Look {
       ontoggle: () => { if (this.element.open && !this.shown) this.look([this.at]); } },
       el('summary', {}, 'What ran here?', this.moment),
       el('div', { class: 'ws-moment' }, this.slider),
+      el('p', { class: 'ws-since' }, 'Of the code as it was driven, with its line numbers. It has changed since: drive again.'),
       el('div', { class: 'ws-tools' }, this.button, this.beside), this.tables);
     this.update();
   }
@@ -56,20 +57,20 @@ export class Look {
     this.shown = at;
     this.update();
     this.tables.replaceChildren(...tables.flatMap((table) => this.table(table)));
-    if (tables.length) this.mark(tables[0].place, `This ran at ${at[0].toFixed(2)} s, or last before`);
-    else this.tables.append(el('p', {}, `Nothing of the node had run by ${at[0].toFixed(2)} s.`));
+    if (tables.length) this.mark(tables[0].place, `This began last by ${Math.min(...at).toFixed(2)} s`);
+    else this.tables.append(el('p', {}, `Nothing of the node had run by ${Math.max(...at).toFixed(2)} s.`));
   }
 
   table({ title, columns, rows }) {
     const parts = [...new Set(rows.map(({ part }) => part))];
     return [
+      rows.some(({ marked }) => marked) ? el('p', { class: 'ws-note' }, MARKED[columns.length - 1]) : '',
       el('table', {}, el('caption', {}, title),
         el('thead', {}, el('tr', {}, el('td', {}), columns.map((text) => el('th', { scope: 'col' }, text)))),
         parts.map((part) => el('tbody', {},
           part ? el('tr', {}, el('th', { scope: 'rowgroup', colspan: columns.length + 1 }, part)) : '',
           rows.filter((row) => row.part === part).map(({ name, cells, marked }) => el('tr', { class: marked ? 'is-marked' : null },
             el('th', { scope: 'row' }, marked ? '* ' : '', name), cells.map((text) => el('td', {}, text || '–'))))))),
-      rows.some(({ marked }) => marked) ? el('p', { class: 'ws-note' }, MARKED[columns.length - 1]) : '',
     ].filter(Boolean);
   }
 }

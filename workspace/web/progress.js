@@ -3,7 +3,7 @@
 
 import { el } from './element.js';
 import { alsoKeep } from './keep.js';
-import { KEPT, OWN, freeName, joined, keptOf, keyOf, split } from './shelf.js';
+import { KEPT, OWN, freeName, isBetter, joined, keptOf, keyOf, split } from './shelf.js';
 import { button } from './workspace.js';
 
 const NAME = 'course-progress.json';
@@ -102,7 +102,7 @@ function read(content, exercises) {
 }
 
 /** Return what is kept of an exercise, with what came. Of more versions than are kept the oldest go: how many, is in `gone`. */
-function merged(mine, came, skeleton, from) {
+function merged(mine, came, { skeleton, unit }, from) {
   const isNew = came.text !== null && came.text !== joined(skeleton);
   const text = mine.text ?? (isNew ? came.text : null);
   const all = [...mine.versions, ...came.versions].sort(newest);
@@ -117,8 +117,11 @@ function merged(mine, came, skeleton, from) {
   const others = Object.entries(came.scenarios).filter(([, content]) => !Object.values(scenarios).includes(content));
   for (const [name, content] of others) scenarios[freeName(scenarios, name)] = content;
   const shown = Object.entries(scenarios).slice(0, OWN);
+  const own = mine.rest.race ?? {};
+  const isSlower = ([world, { lap }]) => Object.hasOwn(own, world) && !isBetter(lap.figure, own[world]?.lap?.figure, unit);
+  const better = Object.entries(came.race).filter((each) => !isSlower(each));
   return {
-    work: { ...mine.rest, race: { ...came.race, ...mine.rest.race }, text, versions: [...versions.values()].slice(0, KEPT), green, scenarios: Object.fromEntries(shown) },
+    work: { ...mine.rest, race: { ...own, ...Object.fromEntries(better) }, text, versions: [...versions.values()].slice(0, KEPT), green, scenarios: Object.fromEntries(shown) },
     isKept: isNew && came.text !== text,
     isPut: isNew && mine.text === null,
     gone: Math.max(0, versions.size - KEPT),
@@ -169,7 +172,7 @@ function bring(content, exercises, own) {
   const keys = [...works.keys()].map(keyOf).filter((key) => key !== own);
   return alone(keys, (busy) => {
     if (busy.length) throw new Wrong(`another tab has ${busy.map((key) => key.split(':')[1]).join(', ')} open. Close it, and load again.`);
-    const made = [...works].map(([slug, came]) => [slug, merged(keptOf(slug), came, exercises[slug].skeleton, from)]);
+    const made = [...works].map(([slug, came]) => [slug, merged(keptOf(slug), came, exercises[slug], from)]);
     keepAll(made.map(([slug, { work }]) => [keyOf(slug), JSON.stringify(work)]));
     return [
       `Loaded what was saved on ${new Date(at).toLocaleString()}: ${works.size === 1 ? 'one exercise' : `${works.size} exercises`}.`,

@@ -3,6 +3,7 @@
 
 import { el } from './element.js';
 import { alsoKeep } from './keep.js';
+import { isBetter } from './shelf.js';
 import { button } from './workspace.js';
 
 const REFERENCES = new URL('race.json', import.meta.url).href;
@@ -31,8 +32,6 @@ function whole(kept, { of }) {
   if (!isTrack || lap?.of !== of || !Number.isFinite(lap.figure)) return null;
   return { lap, track: { t: columns[0], x: columns[1], y: columns[2], yaw: columns[3] } };
 }
-
-const isBetter = (figure, other, unit) => figure !== null && (other === undefined || (unit === 's' ? figure < other : figure > other));
 
 /** Race with a workspace's text; return in a sentence how it ended. */
 export async function race(workspace) {

@@ -39,6 +39,10 @@ export function keptOf(slug) {
   };
 }
 
+/** Return whether a figure of a race beats another, if there is one. */
+export const isBetter = (figure, other, unit) => Number.isFinite(figure)
+  && (!Number.isFinite(other) || (unit === 's' ? figure < other : figure > other));
+
 /** Return a scenario's file name that is none of these yet. */
 export function freeName(scenarios, name) {
   const stem = name.replace(/\.toml$/, '').slice(0, 70);

@@ -62,6 +62,7 @@ export class Workspace {
     this.shelf = new Shelf(shelf);
     this.whyNot = whyNot(what, threads);
     this.busy = false;
+    this.playing = []; // scenarios of the replay
     this.runs = {}; // by scenario: how each was made
   }
 
@@ -167,6 +168,7 @@ export class Workspace {
     const onChange = () => {
       this.changed = true;
       this.stale.hidden = this.judged === undefined || this.judged === this.text;
+      this.compare();
       this.shelf.text = this.isChanged ? this.text : null;
     };
     bundle ??= await editorBundle().catch(() => null);
@@ -221,6 +223,12 @@ export class Workspace {
   speakOf(text) {
     this.judged = text;
     this.stale.hidden = text === this.text;
+  }
+
+  /** Say below the replay if another text made it. */
+  compare() {
+    const isOther = (name) => this.runs[name] && this.runs[name][2] !== this.text;
+    this.dialog.classList.toggle('is-changed', this.playing.some(isOther));
   }
 
   showFile(name) {
@@ -338,14 +346,14 @@ export class Workspace {
   /** Mark a place, "node.py, line 12", if it is in the editors. */
   markPlace(place, message) {
     const [, file, line] = /^(.*), line (\d+)$/.exec(place) || [];
+    this.unmark('info');
     if (!(file in this.editors)) return;
-    this.unmark();
     this.markLine(Number(line), message, file, 'info');
   }
 
   /** Show the replay of a drive; return in a sentence how it ended. */
   async showDrive(ended, scenario, recordings, title, from) {
-    await this.play([scenario], [], recordings, title, { play: ended.kind === 'completed', from });
+    await this.play([scenario], [], recordings, title, { play: ended.kind === 'completed', from, stays: true });
     this.hand.show(ended, recordings);
     const answer = from === undefined ? '' : this.hand.answer; // of a deed, and not said again
     if (ended.kind === 'completed') return [`${answer}Driven to the end of ${scenario}.`, ...ended.ended.map((said) => `${said}.`)].join(' ');
@@ -362,6 +370,8 @@ export class Workspace {
     this.replay.replaceChildren(frame);
     this.hand.element.hidden = true;
     this.playing = scenarios;
+    this.compare();
+    if (how.from === undefined) this.hand.element.open = this.look.element.open = false; // what is said of the run stands there
     this.look.begin();
   }
 
@@ -378,7 +388,7 @@ export class Workspace {
     this.editor.mark(line, message, severity);
   }
 
-  unmark() { Object.values(this.editors).forEach((editor) => editor.mark(0)); }
+  unmark(severity) { Object.values(this.editors).forEach((editor) => editor.mark(0, '', severity)); }
 
   // --- the file
 
@@ -429,6 +439,7 @@ export class Workspace {
   /** Save a scenario of one's own; return under which name. */
   keepScenario(name, content) {
     this.save(name, content, 'text/plain');
+    this.say(`Saved: ${name}.`);
     return name;
   }
 

@@ -32,7 +32,7 @@ function startEvents(replay) {
 
 function commandEvents({ commands, duration }) {
   if (!commands.t.length) {
-    return [{ t: duration, kind: 'stop', text: 'The node never sent a command.' }];
+    return [{ t: duration, kind: 'stop', text: 'The node never sent a command on /cmd_vel.' }];
   }
   const first = `First command: ${withUnit(commands.v[0], 'm/s')}, turning ${withUnit(commands.w[0], 'rad/s')}`;
   return [{ t: commands.t[0], kind: 'command',

@@ -17,6 +17,7 @@ from grader.course.submission import Submission
 from grader.drive import drive_node, scenario_for, tables_of
 from grader.launchers import ForkServerPool
 from grader.recording import Recording
+from grader.trial.virtual_time import asked_at
 from rclpy_virtual_time.host.frames import Moment, Value
 from rclpy_virtual_time.link.hosts import ForkServer
 from sim.messages import Message
@@ -115,7 +116,8 @@ def test_twenty_moments_are_what_the_recording_says(
              for each in compared(recording, program, moment)]  # fmt: skip
     print(claim.name, scenario.name, len(recording.moments), len(wrong),
           sum(len(m.sent) for _, m in recording.moments))  # fmt: skip
-    assert len({moment.asked for _, moment in recording.moments}) == 20
+    asked = {moment.asked for _, moment in recording.moments}
+    assert asked == {asked_at(time, scenario) for time in at}
     assert wrong == []
 
 
@@ -204,9 +206,13 @@ def test_what_came_what_changed_what_left_and_what_was_raised(
     tmp_path: Path, looker: ForkServer
 ) -> None:
     recording, [second, last] = looked(tmp_path, looker, RAISES, 0.15, 0.9)
+    shown = round(second.time / 1e9, 2)
+    assert shown * 1e9 < second.time  # and it is that moment's, all the same
+    [again] = looked(tmp_path, looker, RAISES, shown)[1]
+    assert again.time == second.time
     at = [random.Random(i).uniform(0, 1) for i in range(20)]
     _, moments = looked(tmp_path, looker, RAISES, *at)
-    assert [compared(recording, "agent.py", each) for each in (second, last, *moments)] == [[]] * 22
+    assert not any(compared(recording, "agent.py", each) for each in (second, last, *moments))
     kept = {value.name: (value.before, value.text) for value in second.values}
     assert kept == {"count": ("1", "2"), "speed": ("0.5", "0.5")}
     [sent] = second.sent
@@ -214,7 +220,7 @@ def test_what_came_what_changed_what_left_and_what_was_raised(
     assert [(value.name, value.text) for value in sent.places[0].values] == [("left", "2")]
     assert last.raised == "ZeroDivisionError('division by zero')"
     assert [place.function for place in last.raised_in] == ["share", "on_scan"]
-    [table] = tables_of(recording, [0.15, 0.9])
+    [table] = tables_of(recording, [0.9, 0.15])
     marked = {row["name"]: row["cells"] for row in table["rows"] if row["marked"]}
     assert marked["count"] == ["1 → 2", "3 → 4"]
     assert "speed" not in marked

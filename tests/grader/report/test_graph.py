@@ -51,6 +51,9 @@ def test_what_is_wrong_is_said_as_in_the_terminal(
     assert graph.count('class="graph-edge is-bad"') == len(said)
     assert (f"✗ {len(said)} fault" in graph) is bool(said)
     assert len(re.findall(r">✗ \d<", graph)) == len(said)  # in the table
+    alone = sum(text.startswith("nobody") for text in said) + ("/cmd_vel" in "".join(said))
+    for sign in (">✗ nobody<", 'class="graph-edge is-missing"', 'class="graph-nobody"'):
+        assert graph.count(sign) == alone
 
 
 @pytest.mark.parametrize(("outcome", "faults"), [("", 1), ("fail", 1), ("pass", 0)])
