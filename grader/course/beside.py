@@ -75,7 +75,7 @@ def chosen(there: Iterable[Lying], links: Iterable[str] = ()) -> Beside:
         limits = f"{MAX_FILES} files, {MAX_BYTES >> 20} MiB in all"
         left.append(f"{listed(over)} (over the limits: {limits})")
     if links := [name for name in links if name.isprintable()]:
-        left.append(f"{listed(links)} (a link, which is not followed)")
+        left.append(f"{listed(links)} (links are not followed)")
     return Beside(files, tuple(left[-NAMED:]))
 
 

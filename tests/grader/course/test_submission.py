@@ -225,7 +225,7 @@ def test_what_comes_along_has_limits(agent: Path, monkeypatch: pytest.MonkeyPatc
     assert set(submission.files) == {"agent.py", "helper.py", "kit/__init__.py", "kit/a.yaml"}
     left = "; ".join(submission.left)
     for name in (
-        "link.py, other (a link",
+        "link.py, other (links",
         "long.py (over",
         "model.onnx (over the limits",
     ):
