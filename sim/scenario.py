@@ -257,6 +257,7 @@ class Scenario(_Table, frozen=True, dict=True):
     name: str = ""  # the file's stem; not a key of the file
     description: str = ""
     seed: Annotated[int, Meta(ge=0, le=2**53)] = 1
+    trial_seed: Annotated[int, Meta(ge=0, le=2**53)] | None = None  # of a world that was kept
     duration: Time = 20.0  # [s]
     mirror: bool = False  # world, start, goals and scripted poses: y → -y …
     rotate_deg: Degrees = 0.0  # … then rotated about the origin [°]

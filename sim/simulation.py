@@ -108,7 +108,8 @@ class Simulation:
     now: int  # since the scenario's start [ns]
 
     def __init__(self, scenario: Scenario, seed: int | None = None) -> None:
-        self.seed = scenario.seed if seed is None else seed
+        own = scenario.seed if scenario.trial_seed is None else scenario.trial_seed
+        self.seed = own if seed is None else seed
         self.scenario = scenario = _of_seed(scenario, self.seed)
         self.now = 0
         self.layout = scenario_layout(scenario, self.seed)

@@ -176,7 +176,7 @@ class Runtime:
                 submission,
                 scenario,
                 self._launcher,
-                seed=mixed_seed(scenario.seed, seed) if tells else trial_seed(scenario, seed),
+                seed=mixed_seed(scenario, seed) if tells else trial_seed(scenario, seed),
                 limits=Limits(total=PATIENCE),
                 stamped=tells,
                 interrupt=wanted.get("interrupt", False),

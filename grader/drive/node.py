@@ -197,7 +197,7 @@ def drive_node(
     submission = unpacked(submission, launcher)
     own = [name for name, model in scenario.node.models.items() if model.probe == OWN]
     beside = [file for name in own if (file := file_beside(submission.path, name)) is not None]
-    mixed = mixed_seed(scenario.seed, seed)
+    mixed = mixed_seed(scenario, seed)
     laid = {path.name: read_regular_file(path, MAX_FILE) for path in beside} | dict(files or {})
     recording = run_trial(
         submission,

@@ -12,15 +12,17 @@ CANDIDATES = 6  # seeds to choose a comparable world from
 def trial_seed(scenario: Scenario, chosen: Seed | None) -> int:
     """Return the seed of a graded trial; worlds of other seeds are as hard as the scenario's."""
     if chosen is None:
-        return scenario.seed
+        return mixed_seed(scenario, None)
     if isinstance(chosen, str):
         return comparable_seed(
             scenario, [secret_seed(chosen, scenario.name, i) for i in range(CANDIDATES)]
         )
-    mixed = mixed_seed(scenario.seed, chosen)
+    mixed = mixed_seed(scenario, chosen)
     return comparable_seed(scenario, [(mixed + 7_919 * i) % 2**31 for i in range(CANDIDATES)])
 
 
-def mixed_seed(own: int, chosen: int | None) -> int:
+def mixed_seed(scenario: Scenario, chosen: int | None) -> int:
     """Return the seed of a trial: the scenario's own, or another for each `--seed`."""
-    return own if chosen is None else (own + 1_000_003 * (chosen + 1)) % 2**31
+    if chosen is None:
+        return scenario.seed if scenario.trial_seed is None else scenario.trial_seed
+    return (scenario.seed + 1_000_003 * (chosen + 1)) % 2**31

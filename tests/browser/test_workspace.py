@@ -25,6 +25,7 @@ from grader.grading.grading import grade_submission
 from grader.trial.seeds import trial_seed
 from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario_files import load_scenario
+from sim.simulation import Simulation
 from workspace.build import PAGE_PACKAGES, lay, page_packages
 from workspace.plan import plan
 
@@ -447,7 +448,8 @@ def test_a_check_with_a_seed_is_of_other_worlds_and_one_can_be_kept(open_workspa
         page.get_by_role("button", name="Keep this world").first.click()
     name, _, seed = download.value.suggested_filename.removesuffix(".toml").rpartition("_")
     kept, own = load_scenario(download.value.path()), load_scenario(name)
-    assert kept.seed == int(seed) == trial_seed(own, 7) != own.seed
+    assert kept.trial_seed == int(seed) == trial_seed(own, 7) != own.seed
+    assert Simulation(kept).scenario.bench == Simulation(own, int(seed)).scenario.bench
 
 
 def test_what_is_typed_during_a_check_is_not_checked(open_workspace: Any) -> None:

@@ -108,3 +108,11 @@ def test_a_recording_has_the_bench_as_its_seed_has_it():
     other = Simulation(scenario, 2**63 + 5).scenario
     assert [scan.label for scan in other.bench] != [scan.label for scan in scenario.bench]
     assert len(other.bench_scans) == len(scenario.bench_scans)
+
+
+def test_a_world_that_was_kept_has_the_bench_of_its_trials_seed():
+    """So it shows what a check in other worlds has shown; its own seed would be as written."""
+    own = load_scenario("avoid_zones")
+    kept = msgspec.structs.replace(own, trial_seed=7)
+
+    assert Simulation(kept).scenario.bench == Simulation(own, 7).scenario.bench != own.bench

@@ -269,7 +269,7 @@ export class Exercise extends Workspace {
   keepWorld(scenario) {
     const seed = this.worlds[scenario];
     const title = JSON.stringify(`${this.plan.scenarios[scenario]}, with seed ${seed}`);
-    this.keepScenario(`${scenario}_${seed}.toml`, `title = ${title}\nextends = "${scenario}"\nseed = ${seed}\n`);
+    this.keepScenario(`${scenario}_${seed}.toml`, `title = ${title}\nextends = "${scenario}"\ntrial_seed = ${seed}\n`);
   }
 
   keepScenario(name, content) {
