@@ -17,6 +17,7 @@ from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.submission import read_regular_file
 from grader.drive.race import Lap, Name, digest_of, one_line, unit_of, worlds_of
 from grader.errors import InputError
+from sim.scenario_files import load_scenario
 
 MOST_BYTES = 10_000  # of a result
 MOST_FILES = 5_000
@@ -71,6 +72,11 @@ def read_result(path: Path) -> Result:
         raise InputError(f"its worlds are not {', '.join(worlds)}, or those of another course")
     if any((lap.figure is None) == (not lap.ended) for lap in result.laps):
         raise InputError("expected a figure, or why there is none")
+    if unit_of(find_exercise(result.exercise)) == "m":
+        for lap in result.laps:
+            scenario = load_scenario(lap.world)
+            if (lap.figure or 0.0) > scenario.duration * scenario.robot.max_linear:
+                raise InputError(f"{lap.world}: no robot drives {lap.figure:g} m there")
     return msgspec.structs.replace(result, nickname=clean_nickname(result.nickname))
 
 

@@ -48,7 +48,9 @@ export class Exercise extends Workspace {
     this.scenario = el('select', { id: 'ws-scenario', 'aria-label': 'Scenario' },
       el('optgroup', { label: 'Scenarios of the checks' }, options(plan.scenarios)),
       el('optgroup', { label: 'To try things' }, options(demos)));
-    this.seed = el('input', { id: 'ws-seed', type: 'number', min: 0, max: 1000000, placeholder: 'its own' });
+    this.seed = el('input', {
+      id: 'ws-seed', type: 'number', min: 0, max: 1000000, placeholder: 'seed', 'aria-label': 'seed', title: 'For other worlds: a number, such as 7',
+    });
     this.score = el('div', { class: 'ws-score' }, `Practice. ${runsHere(plan)} `
       + 'Your instructor’s grade comes from the real rclpy on Linux.');
     this.changesButton = button('Changes', () => this.changes(), { title: 'Since the last version that passed all checks' });
@@ -61,7 +63,7 @@ export class Exercise extends Workspace {
       tools: [
         button('Drive', () => this.drive(), { title: 'Ctrl-Enter', class: 'ws-main' }),
         el('label', { for: 'ws-scenario' }, 'in'), this.scenario,
-        el('label', { for: 'ws-seed', class: 'ws-seed' }, 'seed', this.seed),
+        this.seed,
         button('Check', () => this.check(), { title: 'Ctrl-Shift-Enter; with a seed, in other worlds', class: 'ws-main' }),
       ],
       fileTools: [button('Task', () => this.showTask(), { title: 'What is to be done' }), this.changesButton],

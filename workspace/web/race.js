@@ -56,6 +56,7 @@ export async function race(workspace) {
   for (const [i, { lap, best }] of rows.entries()) {
     if (isBetter(lap.figure, best?.lap.figure, plan.unit)) shelf.keepBest(lap.world, { lap, track: driven[i][1] });
   }
+  if (workspace.judged !== text) Object.values(workspace.rows).forEach(({ fill }) => fill(null)); // of another text
   workspace.speakOf(text);
   workspace.score.replaceChildren(table(rows, plan), el('p', { class: 'ws-note' }, `${WHAT[plan.unit]} ${MORE}`), form(workspace, rows));
   await workspace.play(worlds, [], recordings, plan.title, { play: true }, ghosts);

@@ -115,7 +115,7 @@ def hostile() -> dict[str, bytes]:
         "endless": but(nickname="x" * 25), "nan": lap(figure=float("nan")), "text": lap(figure="4"),
         "negative": lap(figure=-1.0), "huge": lap(figure=1e300), "neither": lap(figure=None),
         "other world": lap(of="0" * 64), "no digest": lap(recording="x" * 64),
-        "another": lap(world="avoid_wall"),
+        "another": lap(world="avoid_wall"), "fast": lap(figure=99.9),
     }  # fmt: skip
 
 
