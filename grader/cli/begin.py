@@ -69,7 +69,7 @@ def progress_(file: Path, export: bool) -> None:
     What is yours there stays: beside it another file gets a name of its own. With --export FILE is
     saved from these folders, for the page or for another computer.
     """
-    from grader.grading import progress  # noqa: PLC0415
+    from grader.cli import progress  # noqa: PLC0415
 
     if export:
         before = progress.read_progress(file) if file.exists() else None

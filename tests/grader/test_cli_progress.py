@@ -12,7 +12,7 @@ import pytest
 from grader.cli import run
 from grader.course.begin import begin
 from grader.course.exercises import find_exercise
-from grader.grading.progress import MOST
+from grader.cli.progress import MOST
 
 SLUG, FILE = "obstacle_avoidance", "obstacle_avoidance_agent.py"
 OWN = 'title = "Mine"\nextends = "avoid_cart"\nseed = 7\n'
