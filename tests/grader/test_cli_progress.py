@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from grader.cli import run
+from grader.cli.progress import MOST
 from grader.course.begin import begin
 from grader.course.exercises import find_exercise
-from grader.cli.progress import MOST
 
 SLUG, FILE = "obstacle_avoidance", "obstacle_avoidance_agent.py"
 OWN = 'title = "Mine"\nextends = "avoid_cart"\nseed = 7\n'
