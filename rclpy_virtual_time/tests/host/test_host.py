@@ -202,4 +202,4 @@ def test_a_host_begins_with_what_each_node_needs(run_node: RunNode) -> None:
 
     gaps, *libraries = said(run)[0].split()
     assert libraries == []
-    assert int(gaps) < 400_000  # [bytes]
+    assert int(gaps) < 600_000  # [bytes]; 740,000 where they are not taken up
