@@ -133,7 +133,7 @@ def _lay(target: Path, text: str, skeleton: bytes | None) -> str:
         replace(place, text.encode())
     except OSError as error:
         raise InputError(f"{place}: {error.strerror}") from None
-    return f"{place}" if number == 0 else f"{place}: {target.name} there is yours"
+    return f"{place}: {target.name} there is yours" if number else f"{place}"
 
 
 def _there(place: Path) -> bytes | None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = """\b
 Examples:
-  course race goal_seeking_agent.py --report race.html
+  course race 3 seeker.py --report race.html
   course race 1 my_agent.py --nickname "Ada L." --out race.json
   course race --table results --csv race.csv
 """

@@ -100,7 +100,7 @@ def test_topic_service_and_action_of_an_own_package(
     assert "-> /seen our_types/msg/Seen reliable 10 messages" in said
     assert "<- /seen our_types/msg/Seen reliable up to 10 messages" in said
     assert "at 2.0" in said and "counted lidar True 0 1 2" in said
-    assert "share/our_types/msg/Seen.msg" in said  # came along
+    assert "share/our_types/action/Count.action" in said  # came along
     assert "action server /count our_types/action/Count action client /count our_types/" in said
 
 
