@@ -280,6 +280,11 @@ class Scenario(_Table, frozen=True, dict=True):
         if (count := sum(b.repeat for b in self.bench)) > MAX_BENCH_SCANS:
             raise ValueError(f"expected at most {MAX_BENCH_SCANS} bench scans, got {count}")
 
+    @property
+    def usual_seed(self) -> int:
+        """The seed of its trials, unless another is asked for."""
+        return self.seed if self.trial_seed is None else self.trial_seed
+
     @cached_property
     def bench_scans(self) -> tuple[BenchScan, ...]:
         """The bench with `repeat` applied: the i-th entry is the i-th scan that is sent."""

@@ -108,8 +108,7 @@ class Simulation:
     now: int  # since the scenario's start [ns]
 
     def __init__(self, scenario: Scenario, seed: int | None = None) -> None:
-        own = scenario.seed if scenario.trial_seed is None else scenario.trial_seed
-        self.seed = own if seed is None else seed
+        self.seed = scenario.usual_seed if seed is None else seed
         self.scenario = scenario = _of_seed(scenario, self.seed)
         self.now = 0
         self.layout = scenario_layout(scenario, self.seed)

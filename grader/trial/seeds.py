@@ -12,7 +12,7 @@ CANDIDATES = 6  # seeds to choose a comparable world from
 def trial_seed(scenario: Scenario, chosen: Seed | None) -> int:
     """Return the seed of a graded trial; worlds of other seeds are as hard as the scenario's."""
     if chosen is None:
-        return mixed_seed(scenario, None)
+        return scenario.usual_seed
     if isinstance(chosen, str):
         return comparable_seed(
             scenario, [secret_seed(chosen, scenario.name, i) for i in range(CANDIDATES)]
@@ -24,5 +24,5 @@ def trial_seed(scenario: Scenario, chosen: Seed | None) -> int:
 def mixed_seed(scenario: Scenario, chosen: int | None) -> int:
     """Return the seed of a trial: the scenario's own, or another for each `--seed`."""
     if chosen is None:
-        return scenario.seed if scenario.trial_seed is None else scenario.trial_seed
+        return scenario.usual_seed
     return (scenario.seed + 1_000_003 * (chosen + 1)) % 2**31
