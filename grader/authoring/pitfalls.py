@@ -6,7 +6,7 @@ none of them should pass an exercise.
 
 `python -m grader.authoring.pitfalls OUT` drives them and writes a replay of each into OUT, which
 opens where the node goes wrong. `--made` writes lessons/pitfalls/made: the differences, the
-replays' frames, and the grader's output for wrong solutions (solutions/*/mutants.toml) that make
+replays' frames, and the grader's output for wrong solutions (solutions/*/mutants.diff) that make
 the same mistakes. `--check` tells whether these are up to date.
 """
 

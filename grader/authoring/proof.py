@@ -1,6 +1,6 @@
 """Prove the graders: right solutions get full marks, wrong ones fail the checks that they name.
 
-The wrong ones, *mutants*, are edits of right ones, listed in `mutants.toml` with at least one check
+The wrong ones, *mutants*, are edits of right ones, listed in `mutants.diff` with at least one check
 that has to catch each (see `grader.claims.mutants`). Other checks may fail with it. Field checks
 are only judged when all of the core passed, so a mutant names either kind.
 

@@ -1,20 +1,19 @@
-"""Wrong programs as edits of right ones: read an exercise's `mutants.toml`, render its mutants.
+"""Wrong programs as edits of right ones: read an exercise's `mutants.diff`, render its mutants.
 
-A mutant is one mistake, written as a small diff of a program in `solutions/EXERCISE/`::
+A mutant is one mistake, written as a small diff of a program in `solutions/EXERCISE/`, below the
+checks that must catch it and a sentence::
 
-    base = "variants/compact.py"  # what is edited, where a mutant names no other base
+    base: variants/compact.py
 
-    [mutant.narrow_cone]
-    mistake = "Looks only ±45° ahead."
-    fails = ["sees_sides"]        # the checks that must catch it
-    edit = '''
+    mutant narrow_cone fails sees_sides, field_lds01
+    Looks only ±45° ahead.
     -            if abs(angle) > math.pi / 2:
     +            if abs(angle) > math.pi / 4:
-    '''
 
-`grader.claims.edits` says how an edit is read. A mutant may name a `base` of its own, and in
-`requires` the modules without which it would fail otherwise. It stands for the same file of the
-exercise as its base. Three mutants of a check are enough; a fourth says `why` it is needed, too.
+`grader.claims.edits` says how an edit is read. Below the sentence a mutant may name a `base` of its
+own, in `requires` the modules without which it would fail otherwise, and in `why` what it is needed
+for: three mutants of a check are enough without. It stands for the same file of the exercise as its
+base. A line that begins with `#` is a comment.
 
 `python -m grader.authoring.mutants` lists, prints and counts them.
 """
@@ -25,6 +24,7 @@ import ast
 import re
 from dataclasses import dataclass
 from functools import cache
+from itertools import takewhile
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -33,9 +33,9 @@ import msgspec
 from grader.claims.edits import EditError, edited
 from grader.course.exercises import Exercise
 from grader.errors import GraderError, InputError
-from sim.toml_input import convert, nearest, parse_toml, read_toml
+from sim.toml_input import convert, nearest
 
-CATALOGUE = "mutants.toml"
+CATALOGUE = "mutants.diff"
 FIELD = "field_"  # begins the names of field checks
 
 Text = Annotated[str, msgspec.Meta(min_length=1)]
@@ -50,11 +50,6 @@ class _Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     base: str = ""
     requires: tuple[str, ...] = ()
     why: str = ""
-
-
-class _Catalogue(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    base: str
-    mutant: dict[str, dict[str, Any]]
 
 
 _CHECK = re.compile(r"(?m)^(?:def )?test_(\w+)(?:\(| =)")  # written out, or made by a suite
@@ -96,21 +91,28 @@ def mutants(exercise: Exercise, folder: Path | None = None) -> list[Mutant]:
     path = folder / CATALOGUE
     if not path.is_file():
         return []
-    doc = convert(parse_toml(read_toml(path), str(path)), _Catalogue, str(path))
+    text = re.sub(r"(?m)^#.*\n", "", path.read_text("utf-8"))
+    head, *parts = re.split(r"(?m)^mutant ", text)
+    usual = re.fullmatch(r"base: (\S+)", head.strip())
+    if not usual:
+        raise InputError(f"{path}: {head.strip()!r}: expected `base: FILE` above the first mutant")
     known = check_names(exercise)
     bases: dict[str, _Base] = {}
-    found = []
-    for name, table in doc.mutant.items():
+    found: dict[str, Mutant] = {}
+    for part in parts:
+        name, table = _table(part)
         entry = convert(table, _Entry, str(path), at=("mutant", name))
         where = f"{path}: mutant.{name}"
+        if name in found:
+            raise InputError(f"{where} is there twice")
         for check in entry.fails:
             if check not in known:
                 raise InputError(f"{where}: no check {check!r}{nearest(check, known)}")
-        base = entry.base or doc.base
+        base = entry.base or usual[1]
         if base not in bases:
             bases[base] = _read_base(exercise, folder, base, where)
-        found.append(_render(name, entry, bases[base], exercise.files[0], where))
-    return found
+        found[name] = _render(name, entry, bases[base], exercise.files[0], where)
+    return list(found.values())
 
 
 def find_mutant(exercise: Exercise, name: str) -> Mutant:
@@ -156,6 +158,21 @@ def check_names(exercise: Exercise) -> frozenset[str]:
 
 
 # --- rendering ------------------------------------------------------------------------------------
+
+
+def _table(part: str) -> tuple[str, dict[str, Any]]:
+    """Return a mutant's name, and what the catalogue says of it by the keys of `_Entry`."""
+    first, *lines = part.rstrip().split("\n")
+    name, _, checks = first.partition(" fails ")
+    above = list(takewhile(lambda line: line[:1] not in "-+ @", lines))
+    mistake, *notes = above or [""]
+    table: dict[str, Any] = {
+        key: value for key, _, value in (note.partition(": ") for note in notes)
+    }
+    if "requires" in table:
+        table["requires"] = table["requires"].split(", ")
+    table |= {"fails": re.findall(r"\w+", checks), "mistake": mistake}
+    return name, {**table, "edit": "\n".join(lines[len(above) :])}
 
 
 def _read_base(exercise: Exercise, folder: Path, base: str, where: str) -> _Base:

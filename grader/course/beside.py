@@ -21,7 +21,7 @@ NAMED = 4  # files in a sentence
 
 NOT_THEIRS = {"__MACOSX", "__pycache__", "node_modules", "venv", "site-packages"}
 MADE = ("COLCON_IGNORE", "pyvenv.cfg")  # in colcon's build, install and log; in an environment
-OURS = {"mutants.toml", "design.md"}  # beside a solution of the course's own
+OURS = {"mutants.diff", "design.md"}  # beside a solution of the course's own
 COURSE = ("grader", "sim", "rclpy_virtual_time", "rclpy_portable")  # where it lies there itself
 ITSELF = Path("grader") / "course" / "beside.py"
 SETUP = "setup.py"

@@ -20,7 +20,7 @@ from grader.course.skeletons import strip_solution
     [
         ("obstacle_avoidance_agent.py", "grader/helper.py"),
         ("variants/spin_once_loop.py", "lessons/lesson.md"),
-        ("mutants.toml: whole_circle", "sim/new.py"),
+        ("mutants.diff: whole_circle", "sim/new.py"),
     ],
 )
 def test_the_search_finds_what_is_put_in(tmp_path: Path, where: str, source: str) -> None:
@@ -49,7 +49,7 @@ def test_checks_belong_into_the_grader_and_nowhere_else(tmp_path: Path) -> None:
 
 
 def lines_of(source: str) -> list[str]:
-    """Return the lines of a solution, or of a mutant (`NAME/mutants.toml: MUTANT`)."""
+    """Return the lines of a solution, or of a mutant (`NAME/mutants.diff: MUTANT`)."""
     file, _, mutant = source.partition(": ")
     if mutant:
         text = find_mutant(find_exercise(file.partition("/")[0]), mutant).text
@@ -59,7 +59,7 @@ def lines_of(source: str) -> list[str]:
 
 
 PAGE = '<td class="linenos"></td><div class="highlight"><pre>{}</pre></div>'
-MUTANT = "goal_seeking/mutants.toml: heading_without_yaw"
+MUTANT = "goal_seeking/mutants.diff: heading_without_yaw"
 
 
 def test_the_search_reads_pages_as_a_reader_does(tmp_path: Path) -> None:

@@ -154,7 +154,7 @@ def test_these_wrong_solutions_fail_every_check(exercise: Exercise) -> None:
         covered = set().union(*(checks for each, checks in wrong if each.exercise == exercise))
         checks = {check.id for check in graded if (check.kind == "field") is field}
         lacking = {check.id for check in graded if check.outcome == UNAVAILABLE}
-        wanted = f"{exercise.solutions / 'mutants.toml'}: a mutant with it in `fails`"
+        wanted = f"{exercise.solutions / 'mutants.diff'}: a mutant with it in `fails`"
         assert checks - lacking - covered == set(), wanted
 
 
@@ -165,25 +165,19 @@ def test_there_are_solutions_of_every_kind(exercise: Exercise) -> None:
 
 
 CATALOGUE = """
-base = "server.py"
+base: server.py
 
-[mutant.answers_wrong]
-mistake = "Answers wrong."
-fails = ["answers"]
-requires = ["torch"]
-edit = '''
+mutant answers_wrong fails answers
+Answers wrong.
+requires: torch
 -ANSWER = 1
 +ANSWER = 2
-'''
 
-[mutant.asks_wrong]
-mistake = "Asks wrong."
-fails = ["asks"]
-base = "variants/shy.py"
-edit = '''
+mutant asks_wrong fails asks
+Asks wrong.
+base: variants/shy.py
 -ASK = "please"
 +ASK = "now"
-'''
 """
 TEXTS = {
     "server.py": '"""The server."""\n\nANSWER = 1\n',
@@ -191,7 +185,7 @@ TEXTS = {
     "variants/both/server.py": '"""A folder.\n\nfield: all\n"""',
     "variants/both/client.py": "variant",
     "variants/shy.py": '"""Shy.\n\nfile: client.py\n"""\n\nASK = "please"\n',
-    "mutants.toml": CATALOGUE,
+    "mutants.diff": CATALOGUE,
 }
 
 

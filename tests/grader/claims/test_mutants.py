@@ -12,15 +12,13 @@ from grader.claims.mutants import check_names, find_mutant, mutants, submission_
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.errors import InputError
 
-HEAD = 'base = "variants/compact.py"\n'
+HEAD = "base: variants/compact.py\n"
 ENTRY = """
-[mutant.narrow]
-mistake = "Looks only ±45° ahead."
-fails = ["sees_sides", "field_lds01"]
-edit = '''
+# A comment
+mutant narrow fails sees_sides, field_lds01
+Looks only ±45° ahead.
 -AHEAD = 90
 +AHEAD = 45
-'''
 """
 COMPACT = '"""Right.\n\nfield: all\n"""  # noqa: E501\n\nAHEAD = 90\nif AHEAD:\n    print(AHEAD)\n'
 RENDERED = '''"""Looks only ±45° ahead.
@@ -42,7 +40,7 @@ def exercise(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Exercise:
     folder = tmp_path / "obstacle_avoidance"
     (folder / "variants").mkdir(parents=True)
     (folder / "variants" / "compact.py").write_text(COMPACT, "utf-8")
-    (folder / "mutants.toml").write_text(HEAD + ENTRY, "utf-8")
+    (folder / "mutants.diff").write_text(HEAD + ENTRY, "utf-8")
     return find_exercise("obstacle_avoidance")
 
 
@@ -84,12 +82,11 @@ def test_a_mutant_is_the_base_with_the_edit_and_a_docstring_of_its_own(exercise:
 
 def test_a_base_of_its_own_and_a_library(exercise: Exercise) -> None:
     (exercise.solutions / exercise.files[0]).write_text("AHEAD = 90\n", "utf-8")
-    keys = f'base = "{exercise.files[0]}"\nrequires = ["torch"]\nedit'
-    text = HEAD + ENTRY.replace("edit", keys)
-    (exercise.solutions / "mutants.toml").write_text(text, "utf-8")
+    text = HEAD + ENTRY.replace("-A", f"base: {exercise.files[0]}\nrequires: torch, onnx\n-A")
+    (exercise.solutions / "mutants.diff").write_text(text, "utf-8")
     (mutant,) = mutants(exercise)
-    assert mutant.text.endswith('ahead.\n\nrequires: torch\n"""\nAHEAD = 45\n')
-    assert mutant.requires == {"torch"}
+    assert mutant.text.endswith('ahead.\n\nrequires: torch, onnx\n"""\nAHEAD = 45\n')
+    assert mutant.requires == {"torch", "onnx"}
 
 
 def test_a_mutant_of_the_second_file_says_so() -> None:
@@ -107,8 +104,8 @@ def test_a_fourth_mutant_of_a_check_says_why(
     exercise: Exercise, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("grader.authoring.mutants.all_exercises", lambda: [exercise])
-    path = exercise.solutions / "mutants.toml"
-    alone = ENTRY.replace(', "field_lds01"', "")  # the fifth fails another check, too
+    path = exercise.solutions / "mutants.diff"
+    alone = ENTRY.replace(", field_lds01", "")  # the fifth fails another check, too
     entries = [
         entry.replace("narrow", f"narrow_{i}").replace("= 45", f"= {i}")
         for i, entry in enumerate([alone, alone, alone, alone, ENTRY])
@@ -119,14 +116,14 @@ def test_a_fourth_mutant_of_a_check_says_why(
     assert line.startswith(
         f"{path}: mutant.narrow_3: 3 mutants before it name sees_sides: say `why`"
     )
-    entries[3] = entries[3].replace("fails", 'why = "Alone notices 60°."\nfails')
+    entries[3] = entries[3].replace("-A", "why: Alone notices 60°.\n-A")
     path.write_text(HEAD + "".join(entries), "utf-8")
     assert main(["--check"]) == 0
     assert mutants(exercise)[3].why == "Alone notices 60°."
 
 
 def test_without_a_catalogue_there_is_none(exercise: Exercise) -> None:
-    (exercise.solutions / "mutants.toml").unlink()
+    (exercise.solutions / "mutants.diff").unlink()
     assert mutants(exercise) == []
 
 
@@ -136,19 +133,17 @@ def test_without_a_catalogue_there_is_none(exercise: Exercise) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('"variants/compact.py"', '"variants/compct.py"', "mutant.narrow: no base 'variants/com"),
-        ('"variants/compact.py"', "1", "base = 1: expected a string"),
-        (HEAD, "", "missing key 'base'"),
-        (HEAD, f'{HEAD}bas = "x"\n', "unknown key 'bas'; did you mean 'base'?"),
-        (ENTRY, "", "missing key 'mutant'"),
-        (ENTRY, f"{ENTRY}{ENTRY}", "not valid TOML: Cannot declare ('mutant', 'narrow') twice"),
-        ("[mutant.narrow]", "[[mutant]]", "mutant = "),
-        ("fails", "fials", "unknown key 'mutant.narrow.fials'; did you mean 'fails'?"),
-        ("mistake = ", "# ", "missing key 'mutant.narrow.mistake'"),
-        ('"Looks only ±45° ahead."', '""', "mutant.narrow.mistake"),
-        ('["sees_sides", "field_lds01"]', "[]", "mutant.narrow.fails"),
-        ('"sees_sides"', '"sees_side"', "no check 'sees_side'; did you mean 'sees_sides'?"),
-        ("\n-AHEAD = 90\n+AHEAD = 45\n", "", "mutant.narrow.edit"),
+        ("variants/compact.py", "variants/compct.py", "mutant.narrow: no base 'variants/com"),
+        (HEAD, "", "'': expected `base: FILE` above the first mutant"),
+        (HEAD, f"{HEAD}bas: x\n", "bas: x': expected `base: FILE` above the first mutant"),
+        (ENTRY, f"{ENTRY}{ENTRY}", "mutant.narrow is there twice"),
+        ("fails", "fials", "mutant.narrow fials sees_sides, field_lds01.fails"),
+        ("ahead.", "ahead.\nwy: x", "unknown key 'mutant.narrow.wy'; did you mean 'why'?"),
+        ("ahead.", "ahead.\nAHEAD", "unknown key 'mutant.narrow.AHEAD'"),
+        ("Looks only ±45° ahead.\n", "", "mutant.narrow.mistake"),
+        (" sees_sides, field_lds01", " ", "mutant.narrow.fails"),
+        ("sees_sides", "sees_side", "no check 'sees_side'; did you mean 'sees_sides'?"),
+        ("-AHEAD = 90\n+AHEAD = 45\n", "", "mutant.narrow.edit"),
         ("-AHEAD = 90", "-AHEAD = 80", "mutant.narrow: hunk '-AHEAD = 80' fits 0 times in var"),
         ("-AHEAD = 90", "-AHEAD = 80", "the line nearest to 'AHEAD = 80' is 'AHEAD = 90'"),
         ("+AHEAD = 45", "+AHEAD = 90", "mutant.narrow: hunk '-AHEAD = 90' changes nothing"),
@@ -156,7 +151,7 @@ def test_without_a_catalogue_there_is_none(exercise: Exercise) -> None:
     ],
 )
 def test_a_mistake_is_named(exercise: Exercise, old: str, new: str, message: str) -> None:
-    path = exercise.solutions / "mutants.toml"
+    path = exercise.solutions / "mutants.diff"
     text = HEAD + ENTRY
     assert old in text
     path.write_text(text.replace(old, new, 1), "utf-8")
