@@ -56,7 +56,7 @@ COURSE = re.compile(
     r"|workspace/(knobs|runtime|stacks)"
     r"|grader/(?!authoring|classroom|drive/(search/|standings)|lms"
     r"|nbgrader|notebook|testing|models/expert|trial/real_time|course/(skeletons|begin|generated)"
-    r"|grading/(attempts|best|handed_in|progress|withheld)|cli/(batch|waiting)"
+    r"|grading/(attempts|handed_in|progress|withheld)|cli/(batch|waiting)"
     r")"
     r"|rclpy_virtual_time/(?!testing|conform|tests|setup"
     r"|link/(doctor|domains|host_process|hosts|locks|pipes|shared_memory)\."

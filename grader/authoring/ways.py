@@ -21,8 +21,9 @@ import numpy as np
 
 from grader.claims.claims import Claim, claims, grade_claim
 from grader.course.exercises import Exercise, all_exercises, find_exercise
+from grader.drive.race import lap_of, unit_of
 from grader.errors import GraderError
-from grader.grading.best import drive_in
+from grader.exercises import contract_of
 from grader.grading.grading import Grading
 from grader.grading.plugin import PASS
 from grader.launchers import ForkServerPool, launcher_pool
@@ -114,15 +115,15 @@ def _sent(recording: Recording) -> list[tuple[str, bytes]]:
 
 
 def _drives(mine: Grading, theirs: Grading) -> list[str]:
-    """Say how long it drives in the worlds where one's best is kept, where that is otherwise."""
-    worlds = mine.exercise.best
+    """Say a race's figure of each drive in which it is another by 2 % or more."""
+    contract, unit = contract_of(mine.exercise), unit_of(mine.exercise)
     one, other = (
-        {each.name: drive.time for each in grading.recordings
-         if each.name in worlds and (drive := drive_in(each))}
+        {each.name: lap_of(each, contract).figure or 0.0 for each in grading.recordings
+         if contract.race and not each.scenario.bench}
         for grading in (mine, theirs)
     )  # fmt: skip
-    return [f"{name}: {one[name]:.1f} s; the reference {other[name]:.1f} s."
-            for name in one if one[name] != other.get(name, one[name])]  # fmt: skip
+    return [f"{name}: {one[name]:.1f} {unit}; the reference {other[name]:.1f} {unit}."
+            for name in one if abs(one[name] - other[name]) > 0.02 * other[name]]  # fmt: skip
 
 
 def _field(grading: Grading) -> str:

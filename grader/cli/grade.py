@@ -84,7 +84,6 @@ def grade(
     waiting = Waiting(f"Exercise {chosen.number}, {file.name}", quiet=json_ == JSON_STDOUT)
     with waiting, start_forkserver(chosen.libraries, portable=portable) as forkserver:
         from grader.grading.attempts import keep, since_last  # noqa: PLC0415
-        from grader.grading.best import remember_best  # noqa: PLC0415
         from grader.grading.grading import grade_submission  # noqa: PLC0415
         from grader.grading.onward import shown  # noqa: PLC0415
 
@@ -103,7 +102,6 @@ def grade(
     changed = ""
     if vary is None and tier == 1:  # the same worlds
         changed = since_last(grading, file)
-        remember_best(grading)
     keep(grading.as_dict())
     todo = _todo(grading, f"{chosen.number} {shown(file)}")
     return show(grading, json_, report, changed, everything=everything, todo=todo)

@@ -60,7 +60,7 @@ def race(
     from grader import drive as driving  # noqa: PLC0415
     from grader.course.exercises import exercise_for  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
-    from grader.drive.race import lap_of, reference_laps, worlds_of  # noqa: PLC0415
+    from grader.drive.race import lap_of, loss_to, reference_laps, rules_of, worlds_of  # noqa: PLC0415
     from grader.drive.standings import lap_rows, lines, wanted_at  # noqa: PLC0415
     from grader.exercises import contract_of  # noqa: PLC0415
 
@@ -80,9 +80,12 @@ def race(
     best = {"your best": before.laps} if before else {}
     reference = [ghosts[world][0] for world in worlds]
     echo(lines(lap_rows(exercise, {"yours": laps, **best, "reference": reference})))
-    for lap in laps:
+    for recording, lap in zip(recordings, laps, strict=True):
         if lap.ended:
             echo(f"{lap.world}: not finished: {lap.ended}")
+        elif lost := loss_to("the reference", ghosts[lap.world][1], recording, contract):
+            echo(f"{lap.world}: {lost}")
+    echo(rules_of(exercise))
     if report is not None:
         tracks = {world: [("reference", ghosts[world][1])] for world in worlds}
         write_report(report, None, recordings, f"Race of {Path(given[-1]).name}", ghosts=tracks)
@@ -99,6 +102,9 @@ def _keep(target: Path, made: tuple[Any, ...], before: Result | None) -> None:
     from grader.grading.grading import versions  # noqa: PLC0415
 
     result = Result(versions().get("rclpy-agents-course", "unknown"), *made)
+    if not result.finished:
+        echo("No result is written: no world was finished")
+        return
     if before is not None and before.rank <= result.rank:
         echo(f"{target} has your best, and stays as it is")
         return
@@ -108,6 +114,7 @@ def _keep(target: Path, made: tuple[Any, ...], before: Result | None) -> None:
 
 def _class_table(folder: Path, csv: Path | None) -> int:
     from grader.course.exercises import find_exercise  # noqa: PLC0415
+    from grader.drive.race import ranking_of, rules_of  # noqa: PLC0415
     from grader.drive.standings import class_rows, lines, standings  # noqa: PLC0415
     from grader.lms.tables import csv_text  # noqa: PLC0415
 
@@ -115,10 +122,13 @@ def _class_table(folder: Path, csv: Path | None) -> int:
     found, said = standings(folder)
     tables = {slug: class_rows(find_exercise(slug), results) for slug, results in found.items()}
     for slug, rows in tables.items():
-        echo(f"{find_exercise(slug).title}\n{lines(rows, left=2)}")
+        exercise = find_exercise(slug)
+        echo(f"{exercise.title}\n{lines(rows, left=2)}\n{rules_of(exercise)}")
     for text in said or ([] if found else ["no results"]):
         echo(text)
     if csv is not None:
+        for slug, rows in tables.items():
+            rows[0][0] = ranking_of(find_exercise(slug))
         written = [[slug, *row] for slug, rows in tables.items() for row in rows]
         csv.write_text(csv_text(written), "utf-8-sig")  # as spreadsheets know it
         echo(f"Table: {csv}")

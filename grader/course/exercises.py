@@ -67,7 +67,6 @@ class Exercise(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     libraries: tuple[str, ...] = ()  # modules that its nodes import and that import slowly
     essential: Essential | None = None
     launch: Launch = Launch()
-    best: dict[str, tuple[float, float, float]] = {}  # the reference's drives: see grading/best.py
 
     def __hash__(self) -> int:
         return hash(self.slug)

@@ -29,6 +29,7 @@ from sim.clearance import FARTHEST
 from sim.scenario_files import tables_of
 
 ARRIVED = 0.5  # [m] from a goal, as the contract says it
+MOSTLY, LEAST = 0.9, 0.1  # of a loss: the part whose span is said, and the least that is [s], [m]
 EVERY = 10  # samples of the truth, which are 20 ms apart: a track has 5 Hz
 MOST_SAID = 100  # [characters] of why a race was not finished
 GHOSTS = Path(__file__).with_name("ghosts.json")  # made by grader.authoring.ghosts
@@ -69,6 +70,24 @@ def unit_of(exercise: Exercise) -> str:
     return "s" if contract_of(exercise).goals else "m"
 
 
+def ranking_of(exercise: Exercise) -> str:
+    """Return in words how the results of a race are ranked."""
+    least = unit_of(exercise) == "s"
+    return f"by the worlds finished, then {'the least' if least else 'the greatest'} sum"
+
+
+def rules_of(exercise: Exercise) -> str:
+    """Return in three lines what a finish is, what is too near, and how results are ranked."""
+    contract = contract_of(exercise)
+    limits, asked = contract.limits, "" if contract.goals else "; the tasks' checks ask for 0.2 m"
+    turn = f" or {limits.turning:g} rad/s" if limits.turning else ""
+    most = f"{limits.slowest:g} to {limits.fastest:g} m/s{turn}"
+    return (
+        f"Finished: no touch, no death, no command beyond {most}.\n"
+        f"Only what is touched was too near{asked}.\nRanked {ranking_of(exercise)}."
+    )
+
+
 def lap_of(recording: Recording, contract: Contract) -> Lap:
     """Return the figures of a drive."""
     truth = recording.truth
@@ -99,6 +118,41 @@ def track_of(recording: Recording) -> Track:
     truth = recording.truth
     columns = {"t": truth.t / 1e9, "x": truth.x, "y": truth.y, "yaw": truth.yaw}
     return {name: np.round(each[::EVERY], 2).tolist() for name, each in columns.items()}
+
+
+def loss_to(name: str, other: Track, recording: Recording, contract: Contract) -> str:
+    """Return where a finished drive loses most to another of a name; "" if it does nowhere.
+
+    Times are compared where both are equally far from the goal; ways, at the same time.
+    """
+    mine, goals = track_of(recording), recording.goals()
+    if contract.goals:
+        unit, goal = "s", (goals.x[-1], goals.y[-1])
+        levels = np.linspace(min(_nears(each, goal)[0] for each in (mine, other)), ARRIVED, 100)
+        at, there = (np.interp(-levels, -_nears(x, goal), x["t"]) for x in (mine, other))
+        at, gap = np.append(goals.t[-1], at), np.append(0.0, at - there)
+    else:
+        at, unit = np.array(mine["t"]), "m"
+        gap = np.interp(at, other["t"], _driven(other)) - _driven(mine)
+    gains = np.triu(gap - gap[:, np.newaxis])  # from each moment to each later one
+    most = gains.max(initial=0.0)
+    if most < LEAST:
+        return ""
+    spans = np.where(gains >= MOSTLY * most, at - at[:, np.newaxis], np.inf)
+    first, last = np.unravel_index(spans.argmin(), spans.shape)
+    lost = f"{gains[first, last]:.1f} {unit} to {name}"
+    return f"from {at[first]:.1f} to {at[last]:.1f} s it loses {lost}"
+
+
+def _nears(track: Track, place: tuple[float, float]) -> Any:
+    """Return the least distance from a place that there was by each moment [m]."""
+    x, y = np.array(track["x"]) - place[0], np.array(track["y"]) - place[1]
+    return np.minimum.accumulate(np.hypot(x, y))
+
+
+def _driven(track: Track) -> Any:
+    """Return the way driven by each moment [m]."""
+    return np.append(0.0, np.hypot(np.diff(track["x"]), np.diff(track["y"])).cumsum())
 
 
 def digest_of(world: str) -> str:

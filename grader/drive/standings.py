@@ -33,11 +33,20 @@ class Result(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     laps: tuple[Lap, Lap, Lap]
 
     @property
+    def finished(self) -> int:
+        """How many worlds."""
+        return sum(lap.figure is not None for lap in self.laps)
+
+    @property
+    def total(self) -> float:
+        """The sum of the figures [s] or [m]."""
+        return round(sum(lap.figure or 0.0 for lap in self.laps), 2)
+
+    @property
     def rank(self) -> tuple[int, float]:
-        """What to sort by: the worlds that were not finished, then the sum of figures."""
-        figures = [lap.figure for lap in self.laps if lap.figure is not None]
+        """What to sort by: see `ranking_of`."""
         less = unit_of(find_exercise(self.exercise)) == "s"
-        return len(self.laps) - len(figures), round(sum(figures) if less else -sum(figures), 2)
+        return -self.finished, self.total if less else -self.total
 
 
 def clean_nickname(nickname: str) -> str:
@@ -72,6 +81,8 @@ def read_result(path: Path) -> Result:
         raise InputError(f"its worlds are not {', '.join(worlds)}, or those of another course")
     if any((lap.figure is None) == (not lap.ended) for lap in result.laps):
         raise InputError("expected a figure, or why there is none")
+    if result.finished == 0:
+        raise InputError("expected a world that was finished, got none")
     if unit_of(find_exercise(result.exercise)) == "m":
         for lap in result.laps:
             scenario = load_scenario(lap.world)
@@ -117,20 +128,25 @@ def standings(folder: Path) -> tuple[dict[str, list[Result]], list[str]]:
         best, file = min(theirs, key=lambda each: each[0].rank)
         entries.setdefault(slug, []).append(best)
         if theirs[1:]:
-            names = ", ".join(name for _, name in theirs)
-            said.append(f"{best.nickname}: {len(theirs)} results, {names}; {file} counts")
+            names = ", ".join(f"{name} (by “{each.nickname}”)" for each, name in theirs)
+            said.append(
+                f"{best.nickname}: {len(theirs)} results by one nickname, for neither case nor "
+                f"blanks count: {names}; {file} counts"
+            )
     return {slug: sorted(best, key=lambda each: each.rank) for slug, best in entries.items()}, said
 
 
 def class_rows(exercise: Exercise, results: Sequence[Result]) -> list[list[str]]:
     """Return the table of an exercise: equals share a place; the distance kept, and the jolts."""
     unit, ranks = unit_of(exercise), [each.rank for each in results]
-    worlds = [f"{world} [{unit}]" for world in worlds_of(exercise)]
-    rows = [["", "nickname", *worlds, "nearest [m]", "accel. [m/s²]"]]
+    worlds = [f"{world} [{unit}]" for world in (*worlds_of(exercise), "sum")]
+    rows = [["", "nickname", "finished", *worlds, "nearest [m]", "accel. [m/s²]"]]
     for each in results:
         near = min((lap.nearest for lap in each.laps if lap.nearest is not None), default=None)
-        figures = (*(lap.figure for lap in each.laps), near, max(x.acceleration for x in each.laps))
-        rows.append([f"{1 + ranks.index(each.rank)}.", each.nickname, *map(shown, figures)])
+        figures = [lap.figure for lap in each.laps]
+        figures += [each.total, near, max(lap.acceleration for lap in each.laps)]
+        place, finished = f"{1 + ranks.index(each.rank)}.", f"{each.finished} of {len(each.laps)}"
+        rows.append([place, each.nickname, finished, *map(shown, figures)])
     return rows
 
 

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from grader.course.exercises import Exercise, all_exercises
+from grader.exercises import contract_of
 from grader.grading.attempts import attempts
-from grader.grading.best import best_table
 from grader.grading.grading import grade
 from grader.grading.plugin import CheckResult
 from grader.trial.trials import SavedTrials
-
-BEST = "Your best drives: time, distance kept, mean change of speed. Can you beat the reference's?"
 
 
 def onward(exercise: Exercise | None = None) -> list[str]:
@@ -36,20 +34,21 @@ def onward(exercise: Exercise | None = None) -> list[str]:
             f"Exercise {now.number}: all that carries points passes. For the badge, other sensors "
             "and worlds:",
             f"  course grade {now.number} {where} --field",
-            *_best(now),
+            *_race(now, where),
             *_another(every, now),
         ]
     return [
         f"Exercise {now.number}: full marks, and field-ready. Does it hold in any world?",
         f"  course search {where} --exercise {now.number}",
-        *_best(now),
+        *_race(now, where),
         *_another(every, now),
     ]
 
 
-def _best(now: Exercise) -> list[str]:
-    rows = best_table(now)
-    return [BEST, *rows] if rows else []
+def _race(now: Exercise, where: str) -> list[str]:
+    if not contract_of(now).race:
+        return []
+    return ["Does it beat the reference, in three worlds?", f"  course race {now.number} {where}"]
 
 
 def _still(now: Exercise, where: str, left: Sequence[CheckResult], most: int) -> list[str]:

@@ -17,7 +17,7 @@ from driven import drive_by
 from grader import cli
 from grader.authoring.ghosts import ghosts_of
 from grader.course.exercises import all_exercises, find_exercise
-from grader.drive.race import GHOSTS, lap_of, reference_laps
+from grader.drive.race import GHOSTS, lap_of, loss_to, reference_laps, track_of
 from grader.drive.standings import class_rows, read_result, standings
 from grader.exercises import contract_of
 from grader.recording import Outcome, Recording
@@ -71,6 +71,26 @@ def test_who_touches_something_dies_or_breaks_a_limit_has_no_figure() -> None:
         assert (lap.figure, lap.ended, lap.nearest) == (None, said, 0.3)
 
 
+def test_where_a_drive_loses_is_said_in_the_seconds_of_its_run() -> None:
+    t = np.arange(0, 501) * STEP  # 10 s
+    halts = 0.3 * (t / 1e9 - np.clip(t / 1e9 - 4.0, 0.0, 3.0))  # [m] it stands from 4 to 7 s
+
+    def drive(x: Any, world: str, goal: tuple[float, float] | None) -> Recording:
+        flat, right = np.zeros(len(t)), made(world, goal=goal)
+        truth = replace(right.truth, t=t, x=x, y=flat, yaw=flat)
+        return replace(right, truth=truth)
+
+    for exercise, world, goal, lost in (
+        (FIRST, "avoid_cart", None, "0.8 m"), (THIRD, "goal_behind", (2.5, 0.0), "3.0 s"),
+    ):  # fmt: skip
+        slow, contract = drive(halts, world, goal), contract_of(exercise)
+        fast = drive(0.3 * t / 1e9, world, goal)
+        said = loss_to("the reference", track_of(fast), slow, contract)
+        assert said.endswith(f"it loses {lost} to the reference"), said
+        assert float(said.split()[1]) == pytest.approx(4.0, abs=0.4)
+        assert loss_to("the reference", track_of(slow), fast, contract) == ""
+
+
 @pytest.mark.parametrize("exercise", RACING, ids=lambda exercise: exercise.slug)
 def test_the_ghosts_that_are_handed_out_are_the_references(
     forkserver: ForkServer, exercise: Any
@@ -116,6 +136,7 @@ def hostile() -> dict[str, bytes]:
         "negative": lap(figure=-1.0), "huge": lap(figure=1e300), "neither": lap(figure=None),
         "other world": lap(of="0" * 64), "no digest": lap(recording="x" * 64),
         "another": lap(world="avoid_wall"), "fast": lap(figure=99.9),
+        "none": json.dumps(result("x", None, None, None)).encode(),
     }  # fmt: skip
 
 
@@ -133,8 +154,9 @@ def test_a_class_is_ranked_and_what_is_no_result_is_left_out_by_name(tmp_path: P
     found, said = standings(tmp_path)
     rows = class_rows(FIRST, found[FIRST.slug])
     assert [row[:2] for row in rows[1:]] == [["1.", "Ada"], ["1.", "Cyd"], ["3.", "=cmd()|Bob"]]
-    assert rows[3][2:] == ["9.00", "9.00", "-", "0.30", "0.57"]
-    assert said.pop() == "Ada: 2 results, ada.json, b/ada.json; ada.json counts"
+    assert rows[3][2:] == ["2 of 3", "9.00", "9.00", "-", "18.00", "0.30", "0.57"]
+    two = "2 results by one nickname, for neither case nor blanks count"
+    assert said.pop() == f"Ada: {two}: ada.json (by “Ada”), b/ada.json (by “ada”); ada.json counts"
     left = {f"{name}.json" for name in (*hostile(), "link", "folder")}
     assert {line.partition(": left out: ")[0] for line in said} == left
     assert all("\x1b" not in line and "\n" not in line for line in said)
@@ -142,6 +164,7 @@ def test_a_class_is_ranked_and_what_is_no_result_is_left_out_by_name(tmp_path: P
     assert cli.run(["race", "--table", str(tmp_path), "--csv", str(table)]) == 0
     written = list(csv.reader(table.read_text("utf-8-sig").splitlines()))
     assert [row[2] for row in written] == ["nickname", "Ada", "Cyd", "'=cmd()|Bob"]
+    assert written[0][1] == "by the worlds finished, then the greatest sum"
 
 
 # --- the command ---------------------------------------------------------------------------------
@@ -181,6 +204,10 @@ def test_a_race_through_the_command(race: Callable[..., tuple[int, str]], tmp_pa
     code, said = race(1, node, "--nickname", "Bob", "--out", out)
     assert (code, read_result(out)) == (2, faster)
     assert "another's result" in said
+    node.write_text(text.replace("return SLOW_SPEED", "return 9.9"), "utf-8")
+    none = out.with_name("none.json")
+    assert "no world was finished" in race(1, node, "--nickname", "Bob", "--out", none)[1]
+    assert not none.exists()
 
 
 def test_wrong_usage_is_refused(race: Callable[..., tuple[int, str]]) -> None:

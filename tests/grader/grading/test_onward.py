@@ -59,11 +59,13 @@ def test_after_full_marks_come_the_badge_a_challenge_and_the_next_exercise(grade
     graded(FIRST)
     assert [line for line in onward() if line.startswith("  ")] == [
         "  course grade 1 obstacle_avoidance_agent.py --field",
+        "  course race 1 obstacle_avoidance_agent.py",
         "  course start 2",
     ]
     graded(FIRST, field=True)
     assert [line for line in onward() if line.startswith("  ")] == [
         "  course search obstacle_avoidance_agent.py --exercise 1",
+        "  course race 1 obstacle_avoidance_agent.py",
         "  course start 2",
     ]
     graded(SECOND, "drives")  # the one graded last, unless one is asked for
