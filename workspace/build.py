@@ -49,7 +49,7 @@ WEB = (
     "machine.js", "offline.js", "page.js", "program.js", "progress.js", "race.js",
     "shelf.js", "start.js", "ways.js", "worker.js", "workspace.js", "workspace.css",
 )  # fmt: skip
-LATER = ("progress.js", "race.js", "race.json", "ways.js")  # once wanted: not of a first visit
+LATER = ("ways.js",)  # once wanted: not of a first visit
 # The rooms of the course that a page needs
 COURSE = re.compile(
     r"sim/(?!live/|launch/|setup|__main__)|rclpy_portable/|exercises/\w+/exercise\.toml$"
@@ -207,15 +207,15 @@ def build(out: Path, modules: Path, wheel: Path, compiler: Sequence[str]) -> Non
         pack(out / "packages.pack", folder)
     with compiled(course, MADE_IN, "0") as folder:
         pack(out / "course.pack", folder)
-    editor = run([str(modules / ".bin" / "esbuild"), "--bundle", "--minify", "--format=esm",
-                   "--log-level=warning", str(HERE / "web" / "editor.js")],
+    esbuild = [str(modules / ".bin" / "esbuild"), "--minify", "--log-level=warning"]
+    web = HERE / "web"
+    editor = run([*esbuild, "--bundle", "--format=esm", str(web / "editor.js")],
                   HERE, NODE_PATH=str(modules))  # fmt: skip
     (out / "editor.js.pack").write_bytes(gzip.compress(editor.encode(), mtime=0))
-    for name in WEB:
-        shutil.copyfile(HERE / "web" / name, out / name)
+    run([*esbuild, f"--outdir={out}", *(str(web / name) for name in WEB)], HERE)
     shutil.copyfile(GHOSTS, out / "race.json")
     plans = {**_plans(), "drives": _drives([*packages, *course])}
-    (out / "plan.json").write_text(json.dumps(plans), "utf-8")
+    (out / "plan.json").write_text(json.dumps(plans, separators=(",", ":")), "utf-8")
     (out / "manifest.json").write_text(json.dumps(_manifest(out), indent=1), "utf-8")
 
 

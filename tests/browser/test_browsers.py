@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -31,6 +32,17 @@ SHOW = """(document.querySelectorAll('.ws-files button')[{}]?.click(),
   document.querySelector('.ws-text:not([hidden]) .cm-content').focus())"""
 PUT = "document.execCommand('insertText', false, {})"  # as an input method does
 TYPED = "# and by keys: [(é)]"
+BY_HAND = """(document.querySelectorAll('.ws-place input').forEach((each) => {{ each.value = 2; }}),
+  [...document.querySelectorAll('.ws-hand button')]
+  .find((button) => button.textContent.startsWith({})).click())"""
+SAVED = """(async () => {
+  const make = URL.createObjectURL;
+  const saved = new Promise((keep) => {
+    URL.createObjectURL = (blob) => { keep(blob); return make(blob); };
+  });
+  BY_HAND;
+  return (await saved).text();
+})()""".replace("BY_HAND", BY_HAND.format("'Save'"))
 MEASURED = ("callback_time",)  # by the wall clock: undecided on a busy machine
 
 
@@ -72,6 +84,12 @@ def test_a_reference_that_is_typed_in_wins_what_the_page_says(
         if made["race"]:
             tab.value("document.querySelector('.ws-racing button').click()")
             assert tab.value(SETTLED) == "Race: 3 of 3 worlds finished."
+            tab.press("Control", "Enter")
+            tab.value(SETTLED)
+            tab.value(BY_HAND.format("'Put a box'"))
+            assert "a box at (2.00, 2.00), from the start" in tab.value(SETTLED)
+            scenario = tomllib.loads(tab.value(SAVED))
+            assert scenario["world"]["boxes"][-1]["center"] == [2.0, 2.0]
     assert kept.endswith(text + TYPED)
     judged = {c["id"]: c["points"] for c in made["checks"]
               if c["scenarios"] and (threads or c["alone"])}  # fmt: skip

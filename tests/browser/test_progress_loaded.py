@@ -56,7 +56,7 @@ def version(text: str, points: str = "1 of 100", at: str = AT) -> dict[str, Any]
 
 
 @pytest.mark.skipif(not MADE.is_file(), reason="no workspace here: run `make workspace`")
-@pytest.mark.parametrize("name", ["chromium", "firefox"])
+@pytest.mark.parametrize("name", BROWSERS)
 def test_what_is_loaded_is_added_or_refused_as_a_whole(
     site: Path, tmp_path: Path, name: str
 ) -> None:

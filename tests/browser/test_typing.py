@@ -232,6 +232,11 @@ def test_shortcuts_work_wherever_the_focus_is(open_editor: Callable[..., Any]) -
             page.keyboard.press(keys)
             status.filter(has_text="begins with the skeleton again.").wait_for()
     assert page.locator("dialog.workspace").is_visible()
+    page.locator("#ws-scenario").focus()
+    for keys, pane in (("F6", ".cm-content"), ("F6", ".ws-replay iframe"), ("F6", ".ws-result"),
+                       ("F6", ".cm-content"), ("Shift+F6", ".ws-result")):  # fmt: skip
+        page.keyboard.press(keys)
+        page.wait_for_function("(pane) => document.activeElement.matches(pane)", arg=pane)
 
 
 def test_what_version_1_0_0_kept_is_found_again(open_editor: Callable[..., Any]) -> None:

@@ -256,8 +256,9 @@ def test_a_drive_slower_than_a_robots_is_called_that(open_workspace: Any) -> Non
 def test_a_drive_tells_what_course_drive_tells(open_workspace: Any) -> None:
     page = open_workspace()
     settle(page)
-    page.get_by_role("button", name="Drive").click()
+    page.get_by_role("button", name="Drive").press("Enter")
     settle(page)
+    assert page.evaluate("document.activeElement.textContent") == "Drive"  # no keyboard is lost
     assert "nothing was published on /cmd_vel" in page.get_by_label("The drive").inner_text()
 
 
@@ -375,6 +376,9 @@ def test_a_later_visit_needs_no_server(chromium: Any, site: Path, tmp_path: Path
     assert settle(page) == "Ready."
     page.get_by_role("button", name="Drive").click()
     assert "Driven to the end" in settle(page)
+    page.get_by_role("button", name="Race").click()
+    assert settle(page) == "Race: 3 of 3 worlds finished."
+    assert page.locator(".ws-race th", has_text="reference").count() == 3
     context.close()
 
 

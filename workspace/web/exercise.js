@@ -6,6 +6,7 @@ import { showChanges, split } from './shelf.js';
 import { FOLDER, Workspace, button } from './workspace.js';
 
 const JUDGE_EVERY = 2; // [s] while a check drives on: each time costs about half a second
+const LATER = ['progress.js', 'race.js', 'race.json']; // read once wanted
 const GREEN = ['pass', 'unavailable'];
 const WRONG = ['fail', 'error', 'inconclusive'];
 const OUTCOMES = {
@@ -55,7 +56,7 @@ export class Exercise extends Workspace {
       + 'Your instructor’s grade comes from the real rclpy on Linux.');
     this.changesButton = button('Changes', () => this.changes(), { title: 'Since the last version that passed all checks' });
     const raced = Object.keys(plan.race).length ? el('div', { class: 'ws-tools ws-racing' },
-      button('Race', () => this.race(), { class: 'ws-main' }), 'in three worlds, beside the reference') : '';
+      button('Race', () => this.race(), { class: 'ws-main' }), 'in three worlds') : '';
     this.ways = el('div', {});
     this.build({
       label: `Workspace: exercise ${plan.number}, ${plan.title}`,
@@ -68,7 +69,7 @@ export class Exercise extends Workspace {
       ],
       fileTools: [button('Task', () => this.showTask(), { title: 'What is to be done' }), this.changesButton],
       more: button('Progress', () => this.openProgress(exercises), { title: 'Save all exercises to a file, or load one' }),
-      result: [this.score, raced, this.ways, el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)))],
+      result: [this.score, el('div', { class: 'ws-more' }, raced, this.ways), el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)))],
       names: ['Code', 'Replay', 'Checks'],
       empty: 'Drive the node, or check it: its run is shown here.',
     });
@@ -76,7 +77,7 @@ export class Exercise extends Workspace {
 
   get hash() { return '#workspace'; }
 
-  get pages() { return [this.hintsPage.href]; }
+  get pages() { return [this.hintsPage, ...LATER.map((name) => new URL(name, import.meta.url))].map(String); }
 
   get hintsPage() { return new URL('hints.html', location.href); }
 
@@ -207,7 +208,6 @@ export class Exercise extends Workspace {
     else if (first.scenario) await this.playChecked([first.scenario], [first]);
     if (first) this.mark(cause && /line \d/.test(cause.where) ? { where: cause.where, message: cause.text } : first);
     this.show('result');
-    this.score.parentElement.scrollTop = 0;
   }
 
   playChecked(scenarios, checks) { return this.play(scenarios, checks, this.recordings, this.plan.title); }

@@ -16,7 +16,7 @@ export class Look {
     this.beside = el('button', { type: 'button', onclick: () => this.look([this.shown[0], this.at]) });
     this.slider = el('input', { type: 'range', min: 0, step: 0.1, 'aria-label': 'Moment to look at [s]',
       oninput: () => seek(this.slider.valueAsNumber) });
-    this.tables = el('div', { class: 'ws-tables' });
+    this.tables = el('div', { class: 'ws-tables', tabindex: 0, role: 'region', 'aria-label': 'What ran' });
     this.element = el('details', { class: 'ws-below ws-look', 'data-pane': 'replay', name: 'ws-below', hidden: true,
       ontoggle: () => { if (this.element.open && !this.shown) this.look([this.at]); } },
       el('summary', {}, 'What ran here?', this.moment),

@@ -15,7 +15,7 @@ export async function offer(workspace) {
   if (!answer?.ok) return 'The server does not send others’ ways.';
   alsoKeep(import.meta.url, file);
   const ways = await answer.json();
-  return el('div', { class: 'ws-tools' }, button('Others’ ways', () => show(workspace, ways)), 'two more solutions with all points');
+  return el('div', { class: 'ws-tools' }, button('Others’ ways', () => show(workspace, ways)), 'with all points');
 }
 
 function show(workspace, ways) {

@@ -21,7 +21,8 @@ const SLOW = 5; // [s] of a drive that say nothing of the node yet
 const SLOWLY = ', more slowly than a robot drives: the machine is busy, or a callback computes too long';
 const ELSEWHERE = 'This is open in another tab, too: what you type here is kept once that one is closed.';
 const FREE = 'The other tab is closed: what you type here is kept again. Its text is among the versions.';
-const KEYS = 'Enter keeps the indent, Ctrl-] and Ctrl-[ change it, an arrow key chooses a word, Tab leaves the editor.';
+const KEYS = 'Ctrl-] and Ctrl-[ indent, an arrow key chooses a word, Tab leaves the editor, F6 goes to the next pane.';
+const PLACES = { code: '.ws-text:not([hidden]) :is(.cm-content, textarea)', replay: 'iframe, .ws-task', result: '.ws-result, .ws-below[open] summary' };
 const BROKEN = 'The link to this page holds no code that can be read: it was cut on its way, or is longer than any node. '
   + 'Ask for the file instead.';
 
@@ -30,6 +31,13 @@ export const button = (text, act, more = {}) => el('button', { type: 'button', o
 
 /** Tell a replay whether the site is light or dark, and more: whether to play, or from when on [s], and whether to tell of itself. */
 function tell(frame, more = {}) { frame.contentWindow?.postMessage({ theme: document.body.dataset.theme, ...more }, '*'); }
+
+/** Put the focus on the first of these that is shown; return it. */
+function focusFirst(places) {
+  const place = [...places].find((each) => each?.isConnected && each !== document.body && each.getClientRects().length);
+  if (place && place !== document.activeElement) place.focus();
+  return place;
+}
 
 /** Say in a sentence why this page can't run a node; '' if it can. */
 function whyNot(what, threads) {
@@ -194,9 +202,21 @@ export class Workspace {
 
   /** Do what a shortcut says, wherever the focus is: on nothing, too, or in the replay. Return whether it says anything. */
   press({ ctrlKey, key, shiftKey }) {
-    const act = this.dialog.open && ctrlKey && key === 'Enter' && (shiftKey ? this.check : this.drive);
-    if (act) act.call(this);
+    const act = this.dialog.open && (key === 'F6' ? this.step : ctrlKey && key === 'Enter' && (shiftKey ? this.check : this.drive));
+    if (act) act.call(this, key === 'F6' ? (shiftKey ? -1 : 1) : undefined);
     return Boolean(act);
+  }
+
+  /** Go to the next pane, or to the one before. */
+  step(by) {
+    const names = Object.keys(PLACES);
+    const at = document.activeElement;
+    const now = at.closest('.ws-below') ? 2 : names.indexOf(at.closest('[data-pane]')?.dataset.pane);
+    for (const on of [1, 2, 3]) {
+      const name = names.at((now + by * on) % 3);
+      this.show(name);
+      if (focusFirst(this.dialog.querySelectorAll(PLACES[name]))) return;
+    }
   }
 
   get pages() { return []; } // to be kept for a visit without a network, besides its own
@@ -223,6 +243,7 @@ export class Workspace {
   speakOf(text) {
     this.judged = text;
     this.stale.hidden = text === this.text;
+    this.stale.parentElement.scrollTop = 0;
   }
 
   /** Say below the replay if another text made it. */
@@ -240,8 +261,10 @@ export class Workspace {
   }
 
   show(name) {
+    const at = document.activeElement;
     this.dialog.dataset.show = name;
     this.tabs.forEach((tab) => tab.setAttribute('aria-pressed', tab.dataset.name === name));
+    if (at.closest('[data-pane]')) focusFirst([at, ...this.tabs.filter((tab) => tab.dataset.name === name)]); // in a narrow window it went
   }
 
   hear(hand, { kind, text, seconds }) {
@@ -267,7 +290,7 @@ export class Workspace {
     this.question.hidden = false;
   }
 
-  enable() { this.mains.forEach((main) => { main.disabled = this.busy || Boolean(this.whyNot); }); }
+  enable() { this.mains.forEach((main) => { main.setAttribute('aria-disabled', this.busy || Boolean(this.whyNot)); }); } // and keep the focus
 
   // --- what is done
 
@@ -288,6 +311,7 @@ export class Workspace {
 
   /** Do it; say how it ended. */
   async begin(task, done) {
+    const at = document.activeElement;
     this.busy = true;
     this.dialog.setAttribute('aria-busy', 'true');
     this.enable();
@@ -311,6 +335,7 @@ export class Workspace {
     this.dialog.setAttribute('aria-busy', 'false');
     this.enable();
     this.stopButton.hidden = this.question.hidden = true;
+    focusFirst([document.activeElement, at, ...this.dialog.querySelectorAll('.ws-replay iframe'), this.mains[0]]);
   }
 
   /** Run a text's `file`, by a `call` of workspace.runtime.Runtime; a scenario of one's `own` lies beside it. Return what it says, and its recording. */

@@ -270,7 +270,7 @@ function buildPage(page, payload) {
   foldIfNarrow(page);
   window.addEventListener('message', followFrame);
   window.addEventListener('keydown', ({ ctrlKey, key, shiftKey }) => { // the workspace's own
-    if (ctrlKey && key === 'Enter') parent.postMessage({ pressed: { ctrlKey, key, shiftKey } }, '*');
+    if (key === 'F6' || (ctrlKey && key === 'Enter')) parent.postMessage({ pressed: { ctrlKey, key, shiftKey } }, '*');
   });
 }
 
