@@ -9,21 +9,7 @@ from typing import Any
 
 from grader.notebook.frame import folded, frame_html
 from grader.notebook.show import Bundle, execution_count, show
-from grader.report.facts import (
-    OUTCOMES,
-    cause_of,
-    facts_of,
-    field_words,
-    group_fact,
-    in_order,
-    plain,
-    points_by_question,
-    points_of,
-    score_notes,
-    score_of,
-    share_of,
-    with_details,
-)
+from grader.report import facts
 from grader.report.terminal import PROVISIONAL, PROVISIONAL_WHY, SINCE
 
 Check = Mapping[str, Any]
@@ -137,15 +123,15 @@ def grading_html(grading: Mapping[str, Any], changed: str = "") -> str:
 
     `changed`: what changed since the last attempt.
     """
-    checks = in_order(grading.get("checks", []))
+    checks = facts.in_order(grading.get("checks", []))
     groups = [
         _group(kind, group)
         for kind in ("core", "field")
         if (group := [check for check in checks if check.get("kind", "core") == kind])
     ]
-    facts = [grading.get("file"), f"tier {grading['tier']}" if grading.get("tier") else ""]
+    found = [grading.get("file"), f"tier {grading['tier']}" if grading.get("tier") else ""]
     heading = f"<b>{_escaped(grading.get('exercise', ''))}</b>" + "".join(
-        f'<span class="quiet">  ·  {_escaped(fact)}</span>' for fact in facts if fact
+        f'<span class="quiet">  ·  {_escaped(fact)}</span>' for fact in found if fact
     )
     inside = f"<p>{heading}</p>{_cause(grading)}{''.join(groups)}{_score(grading, changed)}"
     return f'{STYLE}<div class="course-check">{inside}</div>'
@@ -153,7 +139,7 @@ def grading_html(grading: Mapping[str, Any], changed: str = "") -> str:
 
 def _cause(grading: Mapping[str, Any]) -> str:
     """Return the most probable cause, with its hint unfolded; nothing if none is known."""
-    told = dict(cause_of(grading))
+    told = dict(facts.cause_of(grading))
     if not told:
         return ""
     lines = [f'<p class="message"><b>Cause</b> {_escaped(told["cause"])}</p>']
@@ -174,21 +160,21 @@ def replays_html(grading: Mapping[str, Any], page: str, first: str) -> str:
         return ""
     failed = any(check["outcome"] == "fail" for check in grading["checks"])
     said = f"Replay of what failed: {first}" if failed else "Watch the runs"
-    return folded(plain(said), frame_html(page, title=plain(said)), unfolded=failed)
+    return folded(facts.plain(said), frame_html(page, title=facts.plain(said)), unfolded=failed)
 
 
 def _group(kind: str, group: Sequence[Check]) -> str:
     title = "Core" if kind == "core" else "Field"
-    rows = "".join(_row(check, more) for check, more in with_details(group))
+    rows = "".join(_row(check, more) for check, more in facts.with_details(group))
     return (
-        f'<p class="group">{title}<span>  ·  {_escaped(group_fact(kind, group))}</span></p>'
+        f'<p class="group">{title}<span>  ·  {_escaped(facts.group_fact(kind, group))}</span></p>'
         f'<table class="checks" aria-label="{title} checks"><tbody>{rows}</tbody></table>'
     )
 
 
 def _row(check: Check, more: bool) -> str:
-    outcome = check["outcome"] if check["outcome"] in OUTCOMES else "error"
-    sign, _, word, _ = OUTCOMES[outcome]
+    outcome = check["outcome"] if check["outcome"] in facts.OUTCOMES else "error"
+    sign, _, word, _ = facts.OUTCOMES[outcome]
     strong = outcome in ("fail", "error")
     title = _escaped(check["title"])
     name = f' <code class="quiet">({_escaped(check["id"])})</code>' if check.get("id") else ""
@@ -197,27 +183,27 @@ def _row(check: Check, more: bool) -> str:
         f"{sign} {word}</span></td>"
         f"<td>{f'<b>{title}</b>' if strong else title}{name}"
         f"{_details(check) if more else ''}</td>"
-        f'<td class="points">{points_of(check)}</td></tr>'
+        f'<td class="points">{facts.points_of(check)}</td></tr>'
     )
 
 
 def _details(check: Check) -> str:
     message = check.get("message")
     said = f'<p class="message">{_escaped(message)}</p>' if message else ""
-    facts = "".join(
-        f"<span>{name}</span><span>{_escaped(text)}</span>" for name, text in facts_of(check)
+    found = "".join(
+        f"<span>{name}</span><span>{_escaped(text)}</span>" for name, text in facts.facts_of(check)
     )
-    return said + (f'<div class="facts">{facts}</div>' if facts else "")
+    return said + (f'<div class="facts">{found}</div>' if found else "")
 
 
 def _score(grading: Mapping[str, Any], changed: str) -> str:
-    share = share_of(grading)
+    share = facts.share_of(grading)
     colour = COLOURS["pass"] if share >= 1 else "#2b7fba"
-    word, rest = field_words(grading)
-    lines = [_escaped(note) for note in score_notes(grading)]
+    word, rest = facts.field_words(grading)
+    lines = [_escaped(note) for note in facts.score_notes(grading)]
     if grading.get("provisional"):
         lines.insert(0, f"<b>{PROVISIONAL}</b>{PROVISIONAL_WHY}")
-    if asked := points_by_question(grading):
+    if asked := facts.points_by_question(grading):
         lines.append(f'<span class="label">Asked</span> {_escaped(asked)}')
     if changed:
         lines.append(f'<span class="label">Change</span> <b>{_escaped(changed)}</b> ({SINCE})')
@@ -226,11 +212,11 @@ def _score(grading: Mapping[str, Any], changed: str) -> str:
     lines += [_escaped(note) for note in grading.get("notes", ())]
     return (
         '<div class="score"><span><span class="label">Score</span> '
-        f"<b>{score_of(grading)}</b></span>"
+        f"<b>{facts.score_of(grading)}</b></span>"
         f'<div class="bar"><i style="width:{100 * share:.0f}%;background:{colour}"></i></div></div>'
         + "".join(f"<p>{line}</p>" for line in lines)
     )
 
 
 def _escaped(text: Any) -> str:
-    return html.escape(plain(text))
+    return html.escape(facts.plain(text))

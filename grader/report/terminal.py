@@ -18,26 +18,7 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from grader.report.facts import (
-    OUTCOMES,
-    SKIPPED,
-    Check,
-    cause_of,
-    facts_of,
-    field_words,
-    first_failure,
-    group_fact,
-    hint_of,
-    in_order,
-    plain,
-    points_by_question,
-    points_of,
-    score_notes,
-    score_of,
-    seen_of,
-    share_of,
-    with_details,
-)
+from grader.report import facts
 from rclpy_virtual_time import readable
 
 Fact = tuple[str, Text, int]  # name, text, the most rows that it may take
@@ -82,9 +63,9 @@ def render_terminal(
     `changed`: what changed since the last attempt; `everything`: the details of every check, not
     one line each; `todo`: what to type next.
     """
-    checks = in_order(grading.get("checks", []))
+    checks = facts.in_order(grading.get("checks", []))
     width = min(console.width, MAX_WIDTH)
-    first = first_failure(grading)
+    first = facts.first_failure(grading)
     console.print()
     console.print(_heading(grading, console), width=width)
     if everything or first is None:
@@ -96,17 +77,17 @@ def render_terminal(
         said = Text(printable(note, console), style="yellow")
         console.print(Padding(said, (0, 0, 0, 1)), width=width)
     console.print()
-    facts = _facts_of_failure(grading, first, console) if first is not None else []
+    found = _facts_of_failure(grading, first, console) if first is not None else []
     if everything:  # the table has the others
-        facts = [fact for fact in facts if fact[0].lower() in dict(cause_of(grading))]
+        found = [fact for fact in found if fact[0].lower() in dict(facts.cause_of(grading))]
     elif first is not None:
         _print_signed(_head(first, console), console, width)
-    facts += _facts_of_score(grading, console, width, changed, todo)
-    for line in _last_rows(facts, width):
+    found += _facts_of_score(grading, console, width, changed, todo)
+    for line in _last_rows(found, width):
         console.print(line, width=width)
 
 
-def render_check(grading: Mapping[str, Any], check: Check, console: _Console) -> None:
+def render_check(grading: Mapping[str, Any], check: facts.Check, console: _Console) -> None:
     """Print a check's full verdict, with the cause if this check shows it."""
     width = min(console.width, MAX_WIDTH)
     table = Padding(_table([check], console), (0, 0, 0, 1))
@@ -117,14 +98,14 @@ def render_check(grading: Mapping[str, Any], check: Check, console: _Console) ->
     cause = grading.get("cause") or {}
     if check["id"] != cause.get("check") and check["id"] not in cause.get("explains", ()):
         return
-    facts = Table.grid(padding=(0, 2, 0, 0))
-    facts.add_column(no_wrap=True, style="bold")
-    facts.add_column(overflow="fold")
-    for name, text in cause_of(grading):
-        facts.add_row(name.capitalize(), Text(printable(text, console)))
+    grid = Table.grid(padding=(0, 2, 0, 0))
+    grid.add_column(no_wrap=True, style="bold")
+    grid.add_column(overflow="fold")
+    for name, text in facts.cause_of(grading):
+        grid.add_row(name.capitalize(), Text(printable(text, console)))
     if said := (cause.get("hint") or {}).get("text"):
-        facts.add_row("", Text(printable(said, console)))
-    console.print(Padding(facts, (0, 0, 0, 1)), width=width)
+        grid.add_row("", Text(printable(said, console)))
+    console.print(Padding(grid, (0, 0, 0, 1)), width=width)
 
 
 def printed(grading: Mapping[str, Any], width: int) -> str:
@@ -143,7 +124,7 @@ def is_ascii(console: _Console) -> bool:
 
 def printable(text: Any, console: _Console) -> str:
     """Return student text without escape sequences, control and unencodable characters."""
-    return _encodable(plain(text), console)
+    return _encodable(facts.plain(text), console)
 
 
 def _encodable(text: str, console: _Console) -> str:
@@ -165,7 +146,7 @@ def _tier(grading: Mapping[str, Any]) -> str:
     return f"tier {grading['tier']}" if grading.get("tier") is not None else ""
 
 
-def _print_tables(checks: Sequence[Check], console: _Console, width: int) -> None:
+def _print_tables(checks: Sequence[facts.Check], console: _Console, width: int) -> None:
     for kind in ("core", "field"):
         group = [check for check in checks if check.get("kind", "core") == kind]
         if group:
@@ -174,11 +155,13 @@ def _print_tables(checks: Sequence[Check], console: _Console, width: int) -> Non
             console.print(Padding(_table(group, console), (0, 0, 0, 1)), width=width)
 
 
-def _print_lines(checks: Sequence[Check], console: _Console, width: int) -> None:
+def _print_lines(checks: Sequence[facts.Check], console: _Console, width: int) -> None:
     """Print a line for each failure, and above them what passed and what was not judged."""
     passed = [check for check in checks if check["outcome"] == "pass"]
     skipped = Counter(
-        str(check.get("message") or "not judged") for check in checks if check["outcome"] in SKIPPED
+        str(check.get("message") or "not judged")
+        for check in checks
+        if check["outcome"] in facts.SKIPPED
     )
     if passed:
         names = ", ".join(str(check.get("id") or check["title"]) for check in passed)
@@ -188,23 +171,23 @@ def _print_lines(checks: Sequence[Check], console: _Console, width: int) -> None
         line = _signed("skip", f"{count} {printable(reason, console)}", console)
         _print_signed(line, console, width)
     for check in checks:
-        if check["outcome"] not in ("pass", *SKIPPED):
+        if check["outcome"] not in ("pass", *facts.SKIPPED):
             console.print(_line(check, console, width), width=width)
 
 
-def _line(check: Check, console: _Console, width: int) -> Text:
+def _line(check: facts.Check, console: _Console, width: int) -> Text:
     """Return a check in one row: sign, task, name, title, points."""
     task = f"task {check['task']}, " if check.get("task") else ""
     said = f"{task}{check.get('id') or ''}: {check['title']}"
     line = _signed(check["outcome"], printable(" ".join(said.split()), console), console)
-    points = points_of(check)
+    points = facts.points_of(check)
     (first, *_) = _rows(line, width - len(points) - 3, 1)
     first.pad_right(max(0, width - 1 - len(points) - first.cell_len))
     return first.append(points, style="dim")
 
 
 def _signed(outcome: str, text: str, console: _Console) -> Text:
-    sign, ascii_sign, word, style = OUTCOMES.get(outcome, OUTCOMES["error"])
+    sign, ascii_sign, word, style = facts.OUTCOMES.get(outcome, facts.OUTCOMES["error"])
     line = Text(f" {ascii_sign if is_ascii(console) else sign} {word:6}  ", style=style)
     return line.append(text, style="not bold default")
 
@@ -229,19 +212,19 @@ def _rows(line: Text, width: int, most: int) -> list[Text]:
     return [*rows[: most - 1], last.append(" ...")]
 
 
-def _head(check: Check, console: _Console) -> Text:
+def _head(check: facts.Check, console: _Console) -> Text:
     task = f"task {check['task']}, " if check.get("task") else ""
     name = f"{task}{check.get('id') or ''}: "
-    points = f"  {points_of(check)}" if points_of(check) else ""
+    points = f"  {facts.points_of(check)}" if facts.points_of(check) else ""
     line = _signed(check["outcome"], "", console)
     line.append(printable(name, console), style="not bold dim")
     line.append(printable(" ".join(check["title"].split()), console), style="bold default")
     return line.append(points, style="not bold dim")
 
 
-def _last_rows(facts: Iterable[Fact], width: int) -> list[Text]:
+def _last_rows(found: Iterable[Fact], width: int) -> list[Text]:
     """Return the last rows above the prompt, `ROWS` at most."""
-    rows = [(name, _fact(name, text, width, most)) for name, text, most in facts]
+    rows = [(name, _fact(name, text, width, most)) for name, text, most in found]
     for spared in SPARED:
         if sum(len(lines) for _, lines in rows) > ROWS:
             rows = [row for row in rows if row[0] != spared]
@@ -251,34 +234,36 @@ def _last_rows(facts: Iterable[Fact], width: int) -> list[Text]:
 def _facts_of_score(
     grading: Mapping[str, Any], console: _Console, width: int, changed: str, todo: str
 ) -> list[Fact]:
-    facts = [("", Text(""), 1), ("Score", _score(grading, console, width), 1)]
+    found = [("", Text(""), 1), ("Score", _score(grading, console, width), 1)]
     if grading.get("provisional"):
         said = Text(PROVISIONAL, style="bold magenta").append(PROVISIONAL_WHY, style="not bold dim")
-        facts.append(("", said, 2))
+        found.append(("", said, 2))
     if grading.get("cap"):
-        facts.append(("Cap", Text(printable(grading["cap"], console), style="yellow"), 2))
+        found.append(("Cap", Text(printable(grading["cap"], console), style="yellow"), 2))
     if changed:
         said = Text(printable(changed, console), style="bold").append(f" ({SINCE})", "not bold dim")
-        facts.append(("Change", said, 1))
-    if grading.get("field_ready") is not None or first_failure(grading) is None:
-        facts.append(("Field", _field(grading, console), 1))
+        found.append(("Change", said, 1))
+    if grading.get("field_ready") is not None or facts.first_failure(grading) is None:
+        found.append(("Field", _field(grading, console), 1))
     if todo:
-        facts.append(("Next", Text(printable(todo, console)), 3))
-    return facts
+        found.append(("Next", Text(printable(todo, console)), 3))
+    return found
 
 
-def _facts_of_failure(grading: Mapping[str, Any], first: Check, console: _Console) -> list[Fact]:
-    known = dict(cause_of(grading))
+def _facts_of_failure(
+    grading: Mapping[str, Any], first: facts.Check, console: _Console
+) -> list[Fact]:
+    known = dict(facts.cause_of(grading))
     said = known.get("cause") or str(first.get("message") or "")
     dies = "cause" in known and bool(first.get("where"))  # the cause has the same words
     log = str(first.get("log") or "").splitlines()
     told = [
         ("Cause", said, 5),
         ("Line", known.get("line") or str(first.get("where") or "").split("\n")[0], 2),
-        ("Seen", "" if dies else seen_of(first), 2),
+        ("Seen", "" if dies else facts.seen_of(first), 2),
         ("Log", log[-1] if log else "", 2),
         ("Try", "" if "cause" in known else str(first.get("help") or ""), 3),
-        ("Hint", known.get("hint") or ("" if known else hint_of(first)), 2),
+        ("Hint", known.get("hint") or ("" if known else facts.hint_of(first)), 2),
     ]
     return [
         (name, Text(printable(" ".join(text.split()), console)), most)
@@ -300,37 +285,39 @@ def _fact(name: str, text: Text, width: int, most: int) -> list[Text]:
 
 def _notes(grading: Mapping[str, Any]) -> list[str]:
     """Return further notes; the cap stands beside the score."""
-    asked = points_by_question(grading)
+    asked = facts.points_by_question(grading)
     capped = str(grading.get("cap") or "")
     return [
         *([f"Asked: {asked}"] if asked else []),
-        *(note for note in score_notes(grading) if note != capped),
+        *(note for note in facts.score_notes(grading) if note != capped),
         *(str(note) for note in grading.get("notes", ())),
     ]
 
 
-def _group_title(kind: str, group: Sequence[Check], console: _Console) -> Text:
+def _group_title(kind: str, group: Sequence[facts.Check], console: _Console) -> Text:
     title = Text(" ")
     title.append("Core" if kind == "core" else "Field", style="bold")
-    title.append(_dot(console) + group_fact(kind, group), style="dim")
+    title.append(_dot(console) + facts.group_fact(kind, group), style="dim")
     return title
 
 
-def _table(checks: Iterable[Check], console: _Console) -> Table:
+def _table(checks: Iterable[facts.Check], console: _Console) -> Table:
     table = Table.grid(padding=(0, 2, 0, 0), expand=True)
     table.add_column(width=8, no_wrap=True)
     table.add_column(ratio=1, overflow="fold")  # Rich's ellipsis is no ASCII
     table.add_column(width=7, justify="right", no_wrap=True)
-    for check, more in with_details(checks):
-        sign, ascii_sign, word, style = OUTCOMES.get(check["outcome"], OUTCOMES["error"])
+    for check, more in facts.with_details(checks):
+        sign, ascii_sign, word, style = facts.OUTCOMES.get(
+            check["outcome"], facts.OUTCOMES["error"]
+        )
         outcome = Text(f"{ascii_sign if is_ascii(console) else sign} {word}", style=style)
-        table.add_row(outcome, _title(check, console), Text(points_of(check), style="dim"))
+        table.add_row(outcome, _title(check, console), Text(facts.points_of(check), style="dim"))
         if more:
             _add_details(table, check, console)
     return table
 
 
-def _title(check: Check, console: _Console) -> Text:
+def _title(check: facts.Check, console: _Console) -> Text:
     style = "bold" if check["outcome"] in ("fail", "error") else ""
     title = Text(printable(check["title"], console), style=style)
     if check.get("id"):
@@ -339,26 +326,26 @@ def _title(check: Check, console: _Console) -> Text:
     return title
 
 
-def _add_details(table: Table, check: Check, console: _Console) -> None:
+def _add_details(table: Table, check: facts.Check, console: _Console) -> None:
     if check.get("message"):
         table.add_row("", Text(printable(check["message"], console)), "")
-    facts = Table.grid(padding=(0, 2, 0, 0))
-    facts.add_column(width=8, no_wrap=True, style="dim")
-    facts.add_column(overflow="fold")
-    for name, text in facts_of(check):
-        facts.add_row(name, Text(printable(text, console)))
-    if facts.row_count:
-        table.add_row("", facts, "")
-    if check["outcome"] not in SKIPPED:
+    grid = Table.grid(padding=(0, 2, 0, 0))
+    grid.add_column(width=8, no_wrap=True, style="dim")
+    grid.add_column(overflow="fold")
+    for name, text in facts.facts_of(check):
+        grid.add_row(name, Text(printable(text, console)))
+    if grid.row_count:
+        table.add_row("", grid, "")
+    if check["outcome"] not in facts.SKIPPED:
         table.add_row("", "", "")
 
 
 def _score(grading: Mapping[str, Any], console: _Console, width: int) -> Text:
-    share = share_of(grading)
+    share = facts.share_of(grading)
     cells = min(40, max(5, width - 34))
     full = round(share * cells)
     done, rest = ("#", ".") if is_ascii(console) else ("█", "░")
-    line = Text(score_of(grading), style="bold")
+    line = Text(facts.score_of(grading), style="bold")
     line.append("  ")
     line.append(done * full, style="green" if share >= 1 else "cyan")
     line.append(rest * (cells - full), style="dim")
@@ -366,7 +353,7 @@ def _score(grading: Mapping[str, Any], console: _Console, width: int) -> Text:
 
 
 def _field(grading: Mapping[str, Any], console: _Console) -> Text:
-    word, rest = field_words(grading)
+    word, rest = facts.field_words(grading)
     line = Text("")
     if word:
         line.append(("* " if is_ascii(console) else "★ ") + word, style="bold green")

@@ -16,18 +16,7 @@ from grader.course.students import host_seed
 from grader.course.submission import Submission
 from grader.models.service import ModelService, TooManyQuestions
 from grader.recording import COMPLETED, Ending, Outcome, Recording
-from grader.trial.endings import (
-    GRACE,
-    NEVER_SPUN,
-    STUCK,
-    died_text,
-    line_without_folder,
-    misbehaviour,
-    not_run,
-    not_runnable,
-    roll_on,
-    without_folder,
-)
+from grader.trial import endings
 from grader.trial.hangs import located
 from grader.trial.recorder import MAX_BYTES, Recorder
 from grader.trial.staging import stage
@@ -126,9 +115,9 @@ def run_trial(
     look
         Moments [s] to look into; the launcher has to be able to (`Link.Moment.LIBRARY`).
     """
-    problem = not_runnable(submission, scenario)
+    problem = endings.not_runnable(submission, scenario)
     if problem is not None:
-        return not_run(Simulation(scenario, seed), problem)
+        return endings.not_run(Simulation(scenario, seed), problem)
     limits = limits or Limits()
     looks = tuple(asked_at(time, scenario) for time in look)
     while True:
@@ -217,16 +206,16 @@ class _Trial:
             text = "the node did not come back from a callback (or from its start-up)"
             return self._outcome("hung", text, hung.stacks)
         except HostDied:
-            status = self._link.wait(GRACE)
-            return self._outcome("died", died_text(status))
+            status = self._link.wait(endings.GRACE)
+            return self._outcome("died", endings.died_text(status))
         except (HostForged, Flood, Excess, TooManyQuestions) as error:
-            return self._outcome(*misbehaviour(error))
+            return self._outcome(*endings.misbehaviour(error))
         if isinstance(answer, Ended):
             return self._outcome(answer.kind, answer.text, answer.detail)
         if not self._spun:
-            return self._outcome("never_spun", NEVER_SPUN, self._link.stacks())
+            return self._outcome("never_spun", endings.NEVER_SPUN, self._link.stacks())
         if self._stuck is not None:
-            return Outcome("stuck", STUCK, self._stuck, self._link.stacks())
+            return Outcome("stuck", endings.STUCK, self._stuck, self._link.stacks())
         if self.interrupt:
             self._ending = yield from self._interrupt(END_LIMIT)
         return self._outcome(COMPLETED, "")
@@ -277,9 +266,9 @@ class _Trial:
         except HostHung as hung:
             kind, text, detail = "hung", f"it computes for more than {limit:.0f} s", hung.stacks
         except HostDied:
-            kind, text, detail = "died", died_text(self._link.wait(GRACE)), ""
+            kind, text, detail = "died", endings.died_text(self._link.wait(endings.GRACE)), ""
         except (HostForged, Flood, Excess, TooManyQuestions) as error:
-            kind, text = misbehaviour(error)
+            kind, text = endings.misbehaviour(error)
             detail = ""
         del self._models.inferences[complete:]
         outcome = Outcome(kind, text, now / 1e9, detail)
@@ -304,15 +293,15 @@ class _Trial:
     def recording(self, outcome: Outcome, folder: Path) -> Recording:
         """Return the recording; paths in `folder` are shown as the student knows them."""
         link = self._link
-        log = [line_without_folder(line, folder) for line in link.log()]
-        outcome = without_folder(outcome, folder)
+        log = [endings.line_without_folder(line, folder) for line in link.log()]
+        outcome = endings.without_folder(outcome, folder)
         truncated = link.stdout.truncated or link.stderr.truncated
         asked, ending = self._models.inferences, self._ending
         if ending is not None:
             end = self._simulation.end
             last = tuple(line for line in log if line.time > end)
             log = [line for line in log if line.time <= end]
-            ending = Ending(without_folder(ending.outcome, folder), ending.published, last)
+            ending = Ending(endings.without_folder(ending.outcome, folder), ending.published, last)
         recording = self._recorder.freeze(
             self._simulation, outcome, log, truncated=truncated, asked=asked, charged=self._charged
         )
@@ -330,7 +319,7 @@ class _Trial:
         self._waited += cost.waited
         recorder.compute.append((began / 1e9, cost.wall, cost.cpu, cost.queued))
         if isinstance(answer, Ended):
-            roll_on(self._simulation, reached, commands)
+            endings.roll_on(self._simulation, reached, commands)
             return []
         if answer.starting:
             raise HostForged("a start-up in the middle of the trial")

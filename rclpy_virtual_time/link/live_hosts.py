@@ -16,32 +16,7 @@ from typing import Any, ClassVar, Protocol, TypeAlias
 
 import msgspec
 
-from rclpy_virtual_time.host.frames import (
-    MAX_FRAME,
-    MAX_PUBLISHED,
-    MAX_PUBLISHED_BYTES,
-    Answers,
-    Asking,
-    Delivery,
-    Ended,
-    EndpointReport,
-    HeardNow,
-    Meet,
-    Offer,
-    ProgramStart,
-    Published,
-    Pulse,
-    Question,
-    Start,
-    ToHost,
-    Told,
-    Transmit,
-    Tuned,
-    TuneIn,
-    decode_from_live,
-    decode_from_radio,
-    encode,
-)
+from rclpy_virtual_time.host import frames
 from rclpy_virtual_time.host.sandbox.users import prefer, priority
 from rclpy_virtual_time.link.domains import own_domain
 from rclpy_virtual_time.link.errors import EngineError
@@ -75,10 +50,10 @@ class Answerer(Protocol):
     def next_due(self) -> int | None:
         """When the next answer is due."""
 
-    def ask(self, asked: Question, now: int, who: Any) -> None:
+    def ask(self, asked: frames.Question, now: int, who: Any) -> None:
         """Accept a program's question."""
 
-    def due(self, now: int) -> list[tuple[Any, Told]]:
+    def due(self, now: int) -> list[tuple[Any, frames.Told]]:
         """Return the answers that are due, with the programs that they are for."""
 
     def begin(self, now: int) -> None:
@@ -89,7 +64,7 @@ class LiveLink(Channel):
     """Frames to and from a host that speaks whenever it wants."""
 
     def __init__(
-        self, host: HostProcess, decode: Callable[[bytes], Any], largest: int = MAX_FRAME
+        self, host: HostProcess, decode: Callable[[bytes], Any], largest: int = frames.MAX_FRAME
     ) -> None:
         super().__init__(host)
         self._decode = decode
@@ -97,9 +72,9 @@ class LiveLink(Channel):
         self.gone = False  # it has hung up
         self.descriptors = (host.link_in, host.stdout, host.stderr)
 
-    def send(self, frame: ToHost) -> None:
+    def send(self, frame: frames.ToHost) -> None:
         """Send a frame; HostDied if the host has ended."""
-        self._write(encode(frame), real_clock.perf_counter() + SEND_LIMIT)
+        self._write(frames.encode(frame), real_clock.perf_counter() + SEND_LIMIT)
 
     def hear(self) -> list[Any]:
         """Return the frames that have come; Excess if the host takes too much of the machine."""
@@ -131,12 +106,12 @@ class LiveLink(Channel):
 class Program:
     """One of the node's programs."""
 
-    start: ProgramStart
+    start: frames.ProgramStart
     host: HostProcess
     link: LiveLink
-    pulse: Pulse = field(default_factory=lambda: Pulse(0, 0.0, [], {}))
+    pulse: frames.Pulse = field(default_factory=lambda: frames.Pulse(0, 0.0, [], {}))
     topics: set[str] = field(default_factory=set)  # that it publishes on
-    ended: Ended | None = None
+    ended: frames.Ended | None = None
     left: int | None = None  # [ns] when it ended, while others went on
     idle_since: float = math.inf
     cpu: float = 0.0
@@ -189,8 +164,8 @@ class LiveHosts:
         self,
         forkserver: ForkServer,
         folder: Path,
-        programs: Sequence[ProgramStart],
-        offers: tuple[Offer, ...],
+        programs: Sequence[frames.ProgramStart],
+        offers: tuple[frames.Offer, ...],
         seed: int,
         answerer: Answerer,
         start_limit: float,
@@ -199,7 +174,7 @@ class LiveHosts:
     ) -> None:
         self.programs: list[Program] = []  # that have been started, in order
         self.radio: LiveLink
-        self.endpoints: list[EndpointReport] = []  # that the radio has dealt with
+        self.endpoints: list[frames.EndpointReport] = []  # that the radio has dealt with
         self.epoch = 0  # [ns] since 1970 at the scenario's start; 0: not yet
         self._forkserver = forkserver
         self._folder, self._offers = folder, offers
@@ -218,7 +193,7 @@ class LiveHosts:
         self._place: Workplace
         self._connected: dict[str, int] = {}  # the radio's view
         self._asked = 0  # endpoints that it was told of
-        self._heard: list[Published] = []
+        self._heard: list[frames.Published] = []
 
     def __enter__(self) -> LiveHosts:
         self._domain = self._all.enter_context(own_domain())
@@ -238,9 +213,9 @@ class LiveHosts:
         """Start the radio and the programs that run from the beginning."""
         place = self._all.enter_context(tempfile.TemporaryDirectory(prefix=prefix()))
         self._radio_host = self._all.enter_context(self._forkserver.host_process(Path(place)))
-        self.radio = LiveLink(self._radio_host, decode_from_radio)
+        self.radio = LiveLink(self._radio_host, frames.decode_from_radio)
         self._register(self.radio)
-        self._tell_radio(TuneIn(self._domain, self._offers))
+        self._tell_radio(frames.TuneIn(self._domain, self._offers))
         self._place = self._all.enter_context(self._forkserver.workplace(self._folder))
         self.start_programs(0)
 
@@ -251,11 +226,11 @@ class LiveHosts:
             host = self._all.enter_context(
                 self._forkserver.host_process(self._place, priority=self.epoch > 0)
             )
-            link = LiveLink(host, decode_from_live, MAX_PULSE)
+            link = LiveLink(host, frames.decode_from_live, MAX_PULSE)
             self._register(link)
             self.programs.append(Program(program, host, link))
             with contextlib.suppress(HostDied):  # then it has hung up, which will be heard
-                link.send(Start((program,), 0, self._seed, self._offers, self._domain))
+                link.send(frames.Start((program,), 0, self._seed, self._offers, self._domain))
 
     def measure(self) -> None:
         """Measure from now on how long a host has to wait; a program as soon as it spins."""
@@ -327,17 +302,17 @@ class LiveHosts:
         """Return the time since the scenario's start [ns]."""
         return real_clock.time_ns() - self.epoch if self.epoch else 0
 
-    def transmit(self, deliveries: Sequence[Delivery]) -> None:
+    def transmit(self, deliveries: Sequence[frames.Delivery]) -> None:
         """Let the radio send messages of the robot."""
-        self._tell_radio(Transmit(tuple(deliveries)))
+        self._tell_radio(frames.Transmit(tuple(deliveries)))
 
-    def _tell_radio(self, frame: ToHost) -> None:
+    def _tell_radio(self, frame: frames.ToHost) -> None:
         try:
             self.radio.send(frame)
         except (HostDied, HostHung):
             raise EngineError(NO_RADIO) from None
 
-    def take_heard(self) -> list[Published]:
+    def take_heard(self) -> list[frames.Published]:
         """Return what was heard since the last call, in order; times since 1970 [ns]."""
         heard, self._heard = self._heard, []
         return sorted(heard, key=lambda message: message.time)
@@ -374,15 +349,15 @@ class LiveHosts:
         count = 0
         for frame in self.radio.hear():
             match frame:
-                case Tuned():
+                case frames.Tuned():
                     self.endpoints += frame.endpoints
                     self._connected = frame.connected
-                case HeardNow():
+                case frames.HeardNow():
                     new = [m for m in frame.published if not self._lenient or self._has_room(m)]
                     count += len(new)
                     self._heard += filter(self._counts, new)
-        if count > MAX_PUBLISHED:
-            raise Flood(f"more than {MAX_PUBLISHED} messages at a time")
+        if count > frames.MAX_PUBLISHED:
+            raise Flood(f"more than {frames.MAX_PUBLISHED} messages at a time")
         self._limit_start_up()
         if self.radio.gone:
             raise EngineError(NO_RADIO)
@@ -391,15 +366,15 @@ class LiveHosts:
         """Send the programs their models' answers, when these are due."""
         for program, told in self._answerer.due(real_clock.monotonic_ns()):
             with contextlib.suppress(HostDied, HostHung):
-                program.link.send(Answers((told,)))
+                program.link.send(frames.Answers((told,)))
 
     def _hear_program(self, program: Program) -> None:
-        frames = program.link.hear()
-        if len(frames) > MAX_PULSES:
+        heard = program.link.hear()
+        if len(heard) > MAX_PULSES:
             raise Flood(f"more than {MAX_PULSES} pulses at a time")
-        for frame in frames:
+        for frame in heard:
             match frame:
-                case Pulse():
+                case frames.Pulse():
                     program.pulse = frame
                     program.topics |= {e.topic for e in frame.endpoints if e.kind == "publisher"}
                     if frame.endpoints:
@@ -408,11 +383,11 @@ class LiveHosts:
                             raise Flood(f"more than {MAX_ENDPOINTS} endpoints")
                         number = self.programs.index(program)
                         own = (msgspec.structs.replace(e, process=number) for e in frame.endpoints)
-                        self._tell_radio(Meet(tuple(own)))
-                case Asking():
+                        self._tell_radio(frames.Meet(tuple(own)))
+                case frames.Asking():
                     for question in frame.asked:
                         self._answerer.ask(question, real_clock.monotonic_ns(), program)
-                case Ended():
+                case frames.Ended():
                     program.ended = frame
         stopped = program.start.stop is not None and program.start.stop <= self.now()
         if program.over and not stopped and not self._others_go_on(program):
@@ -431,7 +406,7 @@ class LiveHosts:
         speaks_on = any(now - self._first[topic] > SPEAKS_ON for topic in topics)
         return speaks_on or program.ready(now)
 
-    def _has_room(self, published: Published) -> bool:
+    def _has_room(self, published: frames.Published) -> bool:
         """Return whether to note a message: a robot's driver takes few in so short a time, too."""
         self._first.setdefault(published.topic, real_clock.monotonic())
         slot = published.time // SLOT
@@ -439,14 +414,14 @@ class LiveHosts:
         self._slots[published.topic] = (slot, count + 1 if slot == latest else 1)
         return self._slots[published.topic][1] <= MAX_IN_SLOT
 
-    def _counts(self, published: Published) -> bool:
+    def _counts(self, published: frames.Published) -> bool:
         """Return whether a message is worth noting.
 
         Between a program's start-up and the scenario's beginning no check asks for its messages.
         """
         return published.time >= self.epoch > 0 or self._said_in_start_up(published)
 
-    def _said_in_start_up(self, published: Published) -> bool:
+    def _said_in_start_up(self, published: frames.Published) -> bool:
         """Return whether a program said this before it began to spin, as far as is known."""
         who = [p.pulse for p in self.programs if published.topic in p.topics]
         return not who or any(not pulse.spun or published.time < pulse.spun for pulse in who)
@@ -456,5 +431,5 @@ class LiveHosts:
         if self.epoch:
             return
         size = sum(len(m.data) for m in self._heard)
-        if len(self._heard) > MAX_PUBLISHED or size > MAX_PUBLISHED_BYTES:
+        if len(self._heard) > frames.MAX_PUBLISHED or size > frames.MAX_PUBLISHED_BYTES:
             raise Flood("too many or too large messages before it spins")
