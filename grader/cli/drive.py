@@ -127,10 +127,7 @@ def drive(
     typed, variables = driving.read_keys(keys), driving.read_env(env)
     if text and typed:
         raise InputError("--stdin and --keys: expected one of them; a node has one stdin")
-    if len(at) > 2:
-        raise InputError(f"--at: expected one moment, or two to compare, and not {len(at)}")
-    if late := [time for time in at if time > chosen.duration]:
-        raise InputError(f"--at {late[0]:g}: expected a moment of the {chosen.duration:g} s drive")
+    driving.check_moments(at, chosen)
     if at and charge_compute:
         raise InputError("--at and --charge-compute: expected one; looking takes CPU time, too")
     if log != "all" and not log.isdecimal():

@@ -1,6 +1,6 @@
 """Drive any rclpy node in the mock robot, without grading it; look for worlds that it fails in."""
 
-from grader.drive.moments import print_moments, tables_of
+from grader.drive.moments import check_moments, print_moments, tables_of
 from grader.drive.node import (
     arguments_of,
     drive_in,
@@ -17,6 +17,7 @@ from grader.trial.packages import unpacked
 __all__ = [
     "IN_REPLAY",
     "arguments_of",
+    "check_moments",
     "drive_in",
     "drive_node",
     "event_lines",

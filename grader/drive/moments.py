@@ -8,10 +8,12 @@ from typing import Any
 from rich.markup import escape
 from rich.table import Table
 
+from grader.errors import InputError
 from grader.recording import Recording
 from grader.report.terminal import Console
 from grader.trial.virtual_time import asked_at
 from rclpy_virtual_time import Link, readable
+from sim.scenario import Scenario
 
 LIVE = "No moment can be looked into: in real time another run would be another."
 NOTHING = "Nothing of the node had run by {}."
@@ -24,9 +26,11 @@ CALLED_BY = {
     "other": "another event",
     "program": "nobody: the program itself runs",
 }
-NEVER_MARKED = "Began"
+BEGAN, OTHERS = "Began", "Also by then"
+NEVER_MARKED = (BEGAN, OTHERS, "header")  # a stamp is another each time
 STATE, SENT, CAME = "What it keeps", "What it sent", "What came: {}"
 MARKS = ("* changed", "* different")
+GONE = "Variables are gone once their function has returned."
 
 Key = tuple[int, str, str]  # where a row stands, its part, its name
 Cell = tuple[str, bool]  # a text, and whether the callback changed it
@@ -37,33 +41,52 @@ def tables_of(recording: Recording, at: Sequence[float]) -> list[dict[str, Any]]
 
     A row has the `part` of the table, a `name`, a text for each of the moments `at` [s], and
     whether it is `marked`: what is different between two moments; of one, what the callback
-    changed. The earlier moment is first. `place` is that of its function: "node.py, line 12".
+    changed. The earlier moment is first, with the callback that began last by then; of the later
+    it is the same one's last. `place` is that of its function: "node.py, line 12".
     """
     at = sorted(at)
     asked = [asked_at(time, recording.scenario) for time in at]
-    programs = dict.fromkeys(file for file, _ in recording.moments)
+    programs = dict.fromkeys(file for file, _ in recording.moments if at)
     tables = []
     for program in programs:
-        found = {each.asked: each for file, each in recording.moments if file == program}
-        cells = [dict(_cells(found[time])) if time in found else {} for time in asked]
+        by_time = [
+            [each for file, each in recording.moments if file == program and each.asked == time]
+            for time in asked
+        ]
+        place = next(each[-1].place for each in by_time if each)
+        cells = [dict(_cells(each, place)) for each in by_time]
         names = sorted(dict.fromkeys(key for each in cells for key in each), key=lambda key: key[0])
         rows = [_row(key, [each.get(key, ("", False)) for each in cells]) for key in names]
-        place = next(iter(found.values())).place.line
         columns = [f"last by {time:.2f} s" for time in at]
         title = f"What ran in {program}" if len(programs) > 1 else "What ran"
-        tables.append({"title": title, "columns": columns, "place": place, "rows": rows})
+        tables.append({"title": title, "columns": columns, "place": place.line, "rows": rows})
     return tables
+
+
+def check_moments(at: Sequence[float], scenario: Scenario) -> None:
+    """Raise InputError: these are no moments of a drive, or more than two."""
+    if len(at) > 2:
+        raise InputError(f"at: expected one moment, or two to compare, and not {len(at)}")
+    if odd := [time for time in at if not 0 <= time <= scenario.duration]:
+        raise InputError(f"at {odd[0]:g} s: expected a moment of the {scenario.duration:g} s drive")
 
 
 def _row(key: Key, cells: Sequence[Cell]) -> dict[str, Any]:
     _, part, name = key
     texts = [readable(text) for text, _ in cells]
-    changed = cells[0][1] if len(cells) == 1 else len(set(texts)) > 1 and name != NEVER_MARKED
+    changed = cells[0][1] if len(cells) == 1 else len(set(texts)) > 1 and name not in NEVER_MARKED
     return {"part": part, "name": readable(name), "cells": texts, "marked": changed}
 
 
-def _cells(moment: Link.Moment) -> Iterator[tuple[Key, Cell]]:
-    """Yield what is known of a moment: where it stands and its name; its text, whether changed."""
+def _cells(moments: Sequence[Link.Moment], place: Any) -> Iterator[tuple[Key, Cell]]:
+    """Yield what is known of a callback, of that place if it ran, and which others ran by then.
+
+    That is: where it stands and its name; its text, and whether it changed.
+    """
+    if not moments:
+        return
+    moment = next((each for each in reversed(moments) if each.place == place), moments[-1])
+    others = (each for each in reversed(moments) if each is not moment)
     where = moment.place
     of = f" of {moment.node}" if moment.node else ""
     lasted = f", and took {moment.lasted / 1e9:.3f} s" if moment.lasted else ""
@@ -71,7 +94,8 @@ def _cells(moment: Link.Moment) -> Iterator[tuple[Key, Cell]]:
     facts = {
         "Function": ", ".join(filter(None, [f"{where.function}{of}", where.line])),
         "Called by": CALLED_BY[moment.kind].format(moment.about),
-        NEVER_MARKED: f"{moment.time / 1e9:.3f} s{lasted}",
+        BEGAN: f"{moment.time / 1e9:.3f} s{lasted}",
+        OTHERS: ", ".join(f"{each.place.function} {each.time / 1e9:.3f} s" for each in others),
         "Answered": moment.answered,
         "Raised": ", ".join([moment.raised, *(each.line for each in moment.raised_in[:1])]),
     }
@@ -110,8 +134,7 @@ def print_moments(recording: Recording, at: Sequence[float]) -> None:
         console.print(f"  {LIVE if recording.live else NOTHING.format(f'{max(at):.2f} s')}")
     for table in tables:
         console.print(f"\n[bold]{escape(readable(table['title']))}[/]")
-        if any(row["marked"] for row in table["rows"]):
-            console.print(f"  {MARKS[len(at) - 1]}", style="dim")
+        console.print(f"  {MARKS[len(at) - 1]}. {GONE}", style="dim")
         grid = Table.grid(padding=(0, 2, 0, 0))
         for _ in range(2 + len(at)):
             grid.add_column(overflow="fold")

@@ -67,6 +67,7 @@ def drive(
     params: Mapping[str, str | bool | int | float] | None = None,
     duration: float | None = None,
     seed: int | None = None,
+    at: float | Sequence[float] = (),
 ) -> None:
     """Run a node in one scenario, print what it did, and show the replay. Nothing is judged.
 
@@ -87,11 +88,13 @@ def drive(
         Another duration, in simulated time [s].
     seed
         Varies world and noise.
+    at
+        A moment [s], or two: show what the node did last by then, as `course drive --at` does.
     """
     from grader.notebook.judging import drive_file  # noqa: PLC0415
 
     drive_file(
-        scenario, file, lidar, goals=goals, params=params or {}, duration=duration, seed=seed
+        scenario, file, lidar, goals=goals, params=params or {}, duration=duration, seed=seed, at=at
     )
 
 

@@ -24,8 +24,10 @@ from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
 from grader.drive import (
     arguments_of,
+    check_moments,
     drive_in,
     drive_node,
+    print_moments,
     print_summary,
     scenario_for,
     search,
@@ -48,7 +50,7 @@ from grader.notebook.orders import (
     Warm,
 )
 from grader.report.page import page_html, page_payload
-from rclpy_virtual_time import Launcher
+from rclpy_virtual_time import Launcher, Link
 
 GRACE = 5.0  # [s] for an interrupted order to clean up
 
@@ -78,7 +80,8 @@ def carry_out(order: Order, forkservers: ForkServerPool, send: Send) -> Answer |
                 forkservers.of(order.libraries)
                 return None
             case Drive():
-                return _drive(order, forkservers.of(order.libraries))
+                able = (*order.libraries, *([Link.Moment.LIBRARY] if order.at else []))
+                return _drive(order, forkservers.of(able))
             case Grade():
                 return _grade(order, forkservers, send)
             case Look():
@@ -94,17 +97,19 @@ def _drive(order: Drive, launcher: Launcher) -> Driven:
     scenario = scenario_for(
         order.scenario, lidar=order.lidar, duration=order.duration, goals=order.goals
     )
+    check_moments(order.at, scenario)
     others = [program.file for program in scenario.program if program.file]
     submission = find_submission(Path(order.file), others=others)
     submission = unpacked(submission, launcher)
     arguments = arguments_of(order.params)
     recording = drive_node(
         submission, scenario, launcher, seed=order.seed, arguments=arguments,
-        on_second_look=lambda: None,
+        look=order.at, on_second_look=lambda: None,
     )  # fmt: skip
     with contextlib.redirect_stdout(io.StringIO()) as said:
         print_summary(recording, file=order.shown, seed=order.seed, practice=launcher.practice)
         print(*(f"  {sentence}" for sentence in submission.account()), sep="\n")
+        print_moments(recording, order.at)
     payload = page_payload(None, [recording], recording.scenario.title or recording.name)
     return Driven(said.getvalue(), page_html({**payload, "embedded": True}))
 

@@ -40,6 +40,7 @@ def drive_file(
     params: Mapping[str, str | bool | int | float],
     duration: float | None,
     seed: int | None,
+    at: float | Sequence[float],
 ) -> None:
     """See `grader.notebook.drive`."""
     try:
@@ -54,6 +55,7 @@ def drive_file(
             None if duration is None else float(duration),
             seed,
             _libraries(path),
+            _moments(at),
         )
     except (InputError, GraderError) as error:
         tell(f"Not driven: {error}")
@@ -227,6 +229,13 @@ def _goals(goals: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], .
         return tuple((float(x), float(y)) for x, y in goals)
     except (TypeError, ValueError):
         raise InputError("goals: expected pairs (x, y) [m], such as [(5, 3), (0, 0)]") from None
+
+
+def _moments(at: float | Sequence[float]) -> tuple[float, ...]:
+    try:
+        return tuple(map(float, at if isinstance(at, Sequence) else [at]))
+    except (TypeError, ValueError):
+        raise InputError(f"at={at!r}: expected a time [s], such as 4.2, or two") from None
 
 
 def _spell(value: str | bool | int | float) -> str:

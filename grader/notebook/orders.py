@@ -23,6 +23,7 @@ class Drive(msgspec.Struct, frozen=True, tag="drive"):
     duration: float | None = None  # [s]
     seed: int | None = None
     libraries: tuple[str, ...] = ()
+    at: tuple[float, ...] = ()  # moments to look into [s]
 
 
 class Grade(msgspec.Struct, frozen=True, tag="grade"):

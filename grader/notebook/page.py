@@ -244,6 +244,7 @@ def _drive(order: Drive, worker: Worker) -> Answer:
     words += [f"--{name}={value}" for name, value in options.items() if value is not None]
     words += [word for goal in order.goals for word in ("--goal", *map(str, goal))]
     words += [word for param in order.params for word in ("--param", param)]
+    words += [word for time in order.at for word in ("--at", str(time))]
     asked = {"file": f"{FOLDER}/{file.name}", "arguments": shlex.join(words)}
     told, made = worker.run("drive", asked, files)
     if "scenario" not in told:

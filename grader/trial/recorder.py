@@ -60,7 +60,7 @@ class Recorder:
         self.endpoints: list[Endpoint] = []
         self.compute: list[tuple[float, float, float, float]] = []
         self._notes: dict[tuple[str, str, str], Note] = {}
-        self._moments: dict[tuple[int, int], Link.Moment] = {}
+        self._moments: dict[tuple[int, int, str, str], Link.Moment] = {}
         self._stamped, self._most, self._looks = stamped, most, looks
         self._bytes = 0
 
@@ -88,10 +88,13 @@ class Recorder:
 
         Raises HostForged: nobody has asked, or there is no such program.
         """
+        most = Link.Moment.FUNCTIONS * len(self._looks) * len(self._processes)
         for moment in moments:
             if moment.asked not in self._looks or moment.program >= len(self._processes):
                 raise HostForged(f"moment {moment.asked} of program {moment.program}")
-            self._moments[moment.asked, moment.program] = moment
+            key = moment.asked, moment.program, moment.place.function, moment.place.line
+            if key in self._moments or len(self._moments) < most:
+                self._moments[key] = moment
 
     def hear(self, heard: Iterable[Published], began: int, reached: int) -> list[Command]:
         """Note messages of the node, sent between two times [ns]; return its commands.
@@ -140,7 +143,7 @@ class Recorder:
             charged=charged,
             moments=tuple(
                 (file, self._moments[key])
-                for key in sorted(self._moments)
+                for key in sorted(self._moments, key=lambda key: key[:2])  # the last told is last
                 if (file := self._processes[key[1]]).partition(" (")[0] not in ours
             ),
             notes=tuple(

@@ -227,13 +227,14 @@ class Sending(msgspec.Struct, array_like=True, frozen=True):
 
 
 class Moment(msgspec.Struct, array_like=True, frozen=True):
-    """The last callback of a program that had begun by a time, in a drive in which that is asked.
+    """A function's last callback that had begun by a time, in a drive in which that is asked.
 
     Nothing of it is judged: a program may have made it up.
     """
 
     LIBRARY: ClassVar = "rclpy_virtual_time.host.look"
     MOST: ClassVar = 10  # messages that left meanwhile
+    FUNCTIONS: ClassVar = 4  # of a program by each time, those that began last; the last is last
 
     asked: Nanoseconds
     program: Nanoseconds  # counted as in `Start`
@@ -255,7 +256,7 @@ class Moment(msgspec.Struct, array_like=True, frozen=True):
     raised_in: Places
 
 
-Moments = Annotated[list[Moment], msgspec.Meta(max_length=500)]
+Moments = Annotated[list[Moment], msgspec.Meta(max_length=1500)]
 
 
 class Settled(msgspec.Struct, frozen=True, tag="settled"):

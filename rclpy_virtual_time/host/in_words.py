@@ -10,17 +10,11 @@ from __future__ import annotations
 import array
 import collections
 import enum
+import math
 import sys
+import types
 from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
-from types import (
-    BuiltinFunctionType,
-    FunctionType,
-    GetSetDescriptorType,
-    MemberDescriptorType,
-    MethodType,
-    ModuleType,
-)
 from typing import Any
 
 import numpy as np
@@ -39,7 +33,8 @@ LARGE = 10_000  # entries of an array whose least and greatest are not looked fo
 LOOKED_AT = 200  # variables, of which some are shown
 ROS = ("rclpy.", "tf2_ros", "message_filters")  # modules of classes that say nothing of a program
 DICTIONARIES = (dict, collections.defaultdict, collections.OrderedDict, collections.Counter)
-CODE = (FunctionType, MethodType, BuiltinFunctionType, ModuleType, type)
+CODE = (types.FunctionType, types.MethodType, types.BuiltinFunctionType, types.ModuleType, type)
+SCAN = ("ranges", "range_min", "range_max", "angle_min", "angle_increment")
 MESSAGE_FIELDS = "_fields_and_field_types"  # of a message's class
 
 # Of a class as Python keeps it
@@ -75,20 +70,38 @@ def values_of(variables: Iterable[tuple[Any, Any]]) -> list[Value]:
 def parts_of(value: Any) -> list[Value]:
     """Return the fields of a message in words; of anything else all of it, without a name."""
     if type(of_class(value, MESSAGE_FIELDS)) is dict:
-        return values_of(_in_order(value))
+        return [*values_of(_in_order(value)), *_nearest(dict(_in_order(value)))][: Value.MOST]
     return [] if value is None else [Value("", words(value))]
+
+
+def _nearest(scan: dict[str, Any]) -> list[Value]:
+    """Return which reading of a LaserScan is the nearest in range; nothing of anything else."""
+    found: Any = map(scan.get, SCAN)
+    ranges, *bounds = found
+    if type(ranges) is not array.array or ranges.typecode not in "fd":
+        return []
+    if not all(type(each) is float for each in bounds):
+        return []
+    least, most, first, step = bounds
+    kept = [(r, i) for i, r in enumerate(ranges[:LARGE]) if least <= r <= most]
+    if not kept:
+        return [Value("nearest", f"none of {len(ranges):,} is in range")]
+    nearest, i = min(kept)
+    angle = (math.degrees(first + i * step) + 180.0) % 360.0 - 180.0
+    where = f"{nearest:.3f} m at {round(angle, 1) + 0.0}°, ranges[{i}]"
+    return [Value("nearest", f"{where}; {len(kept):,} of {len(ranges):,} are in range")]
 
 
 def fields_of(value: Any) -> Iterator[tuple[str, Any]]:
     """Yield the names and values that an object keeps, of its slots and of its dictionary."""
     for cls in reversed(_mro(type(value))):
         for name, kept in list(_namespace(cls).items()):
-            if type(kept) is MemberDescriptorType and type(name) is str:
+            if type(kept) is types.MemberDescriptorType and type(name) is str:
                 try:
                     yield name, kept.__get__(value)
                 except AttributeError:  # it has not been set
                     continue
-            elif name == "__dict__" and type(kept) is GetSetDescriptorType:
+            elif name == "__dict__" and type(kept) is types.GetSetDescriptorType:
                 items = dict.items(kept.__get__(value))
                 yield from (each for each in items if type(each[0]) is str)
 
@@ -107,7 +120,7 @@ def class_name(value: Any) -> str:
 def is_beside(value: Any) -> bool:
     """Return whether a value's class is of the program's own files."""
     module = sys.modules.get(_module(type(value)))
-    file = module and ModuleType.__getattribute__(module, "__dict__").get("__file__")
+    file = module and types.ModuleType.__getattribute__(module, "__dict__").get("__file__")
     return type(file) is str and host.is_beside(file)
 
 
@@ -134,7 +147,7 @@ def _object(value: Any, depth: int) -> str:
     cls, name = type(value), class_name(value)
     is_message = type(of_class(value, MESSAGE_FIELDS)) is dict
     fields = _in_order(value)
-    if cls is BuiltinFunctionType:
+    if cls is types.BuiltinFunctionType:
         return sendable(value.__name__)
     if issubclass(cls, np.generic) and _module(cls) == "numpy":
         return _words(value.item(), depth)

@@ -93,12 +93,12 @@ class _Call:
 
 
 class Looker:
-    """Keeps, for each time that is asked [ns], the last callback of each program begun by then."""
+    """Keeps, for each time that is asked [ns], the callbacks of each program begun last by then."""
 
     def __init__(self, asked: tuple[int, ...], kernel: Kernel) -> None:
         self._asked, self._kernel = asked, kernel
-        self._found: dict[tuple[int, int], _Call] = {}  # by time and program
-        self._told: dict[tuple[int, int], Moment] = {}  # as it was known then
+        self._found: dict[tuple[int, int], dict[str, _Call]] = {}  # by time and program; function
+        self._told: dict[tuple[int, _Call], Moment] = {}  # as it was known then
         self._tasks: dict[int, Any] = {}  # that threads run
 
     def install(self) -> None:
@@ -152,10 +152,11 @@ class Looker:
     def news(self, *, all: bool = False) -> list[Moment]:
         """Return moments that are past, or all: those of which something new is known."""
         new = []
-        for key, call in self._found.items():
-            if (all or key[0] < self._kernel.now) and self._told.get(key) is not call.known:
-                self._told[key] = call.known
-                new.append(replace(call.as_moment(), asked=key[0]))
+        for (asked, _), calls in self._found.items():
+            for call in calls.values() if all or asked < self._kernel.now else ():
+                if self._told.get((asked, call)) is not call.known:
+                    self._told[asked, call] = call.known
+                    new.append(replace(call.as_moment(), asked=asked))
         return new
 
     @property
@@ -163,7 +164,11 @@ class Looker:
         return max(0, self._kernel.now)
 
     def _keep(self, call: _Call, asked: int) -> _Call:
-        self._found[asked, call.known.program] = call
+        calls, place = self._found.setdefault((asked, call.known.program), {}), call.known.place
+        calls.pop(key := f"{place.function}, {place.line}", None)
+        calls[key] = call  # the last now
+        if len(calls) > Moment.FUNCTIONS:
+            del calls[next(iter(calls))]
         return call
 
     def _moment(self, kind: str, about: str, node: Any, place: Place, came: Any = None) -> Moment:
@@ -226,7 +231,7 @@ class Looker:
     def _latest(self, asked: int, code: CodeType) -> _Call:
         """Return the last callback of the program that runs; where there is none, the program."""
         itself = self._moment("program", "", None, _place_of(code, code.co_firstlineno))
-        call = self._found.get((asked, itself.program))
+        call = next(reversed(self._found.get((asked, itself.program), {}).values()), None)
         if call is None or (call.known.kind == "program" and call.known.time < itself.time):
             return self._keep(_Call(itself, list), asked)
         return call

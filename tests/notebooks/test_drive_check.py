@@ -32,19 +32,24 @@ def unmeasured(text: str) -> list[str]:
     return re.sub(times, r"… \1", " ".join(text.split())).split()
 
 
+@pytest.mark.parametrize("at", [(), (4.2, 5.0)], ids=["plain", "looking"])
 def test_drive_says_what_course_drive_says(
+    at: tuple[float, ...],
     kernel: Kernel,
     folder: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     save(kernel, AGENT, RIGHT)
-    said = kernel.run("drive('demo_wall')")
+    said = kernel.run(f"drive('demo_wall', at={at})")
     monkeypatch.setenv("COLUMNS", "100")
-    cli.main(["drive", str(folder / AGENT), "--scenario", "demo_wall"], standalone_mode=False)
+    words = ["drive", str(folder / AGENT), "--scenario", "demo_wall"]
+    words += [word for time in at for word in ("--at", str(time))]
+    cli.main(words, standalone_mode=False)
     expected = capsys.readouterr().out.replace(str(folder / AGENT), AGENT)
     expected = expected.replace("--log all shows them all", "the replay shows them all")
     assert unmeasured(said.text) == unmeasured(expected)
+    assert ("distance in scan_callback" in said.text) == bool(at)
     assert said.stderr == ""
     (payload,) = replays(said)
     assert payload["grading"] is None

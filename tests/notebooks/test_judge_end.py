@@ -67,6 +67,7 @@ def test_a_judge_that_died_is_replaced(kernel: Kernel) -> None:
         ("drive('demo_wall', lidar='lds9')", "there are: default, lds01, lds02, wide"),
         ("drive('demo_wall', duration=-1)", "expected a time in seconds"),
         ("drive('demo_wall', goals=[1])", "expected pairs (x, y) [m]"),
+        ("drive('demo_wall', at=99)", "at 99 s: expected a moment of the 15 s drive"),
         ("drive('demo_wall', params={'a b': 1})", "expected NAME:=VALUE"),
     ],
 )

@@ -2,7 +2,7 @@
 
 import { el } from './element.js';
 
-const MARKED = ['* changed by the callback', '* different'];
+const MARKED = ['* changed by the callback.', '* different.'];
 
 export class Look {
   /**
@@ -64,13 +64,13 @@ export class Look {
   table({ title, columns, rows }) {
     const parts = [...new Set(rows.map(({ part }) => part))];
     return [
-      rows.some(({ marked }) => marked) ? el('p', { class: 'ws-note' }, MARKED[columns.length - 1]) : '',
+      el('p', { class: 'ws-note' }, `${MARKED[columns.length - 1]} Variables are gone once their function has returned.`),
       el('table', {}, el('caption', {}, title),
         el('thead', {}, el('tr', {}, el('td', {}), columns.map((text) => el('th', { scope: 'col' }, text)))),
         parts.map((part) => el('tbody', {},
           part ? el('tr', {}, el('th', { scope: 'rowgroup', colspan: columns.length + 1 }, part)) : '',
           rows.filter((row) => row.part === part).map(({ name, cells, marked }) => el('tr', { class: marked ? 'is-marked' : null },
             el('th', { scope: 'row' }, marked ? '* ' : '', name), cells.map((text) => el('td', {}, text || '–'))))))),
-    ].filter(Boolean);
+    ];
   }
 }

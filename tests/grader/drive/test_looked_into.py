@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import importlib
+import math
 import random
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from node_runs import PREAMBLE, short
 
@@ -112,10 +114,9 @@ def test_twenty_moments_are_what_the_recording_says(
         recording = drive_node(submission, scenario, looking, look=at)
     assert recording.digest() == before.digest()
     assert not before.moments
-    wrong = [each for program, moment in recording.moments
+    last = {(program, moment.asked): moment for program, moment in recording.moments}
+    wrong = [each for (program, _), moment in last.items()
              for each in compared(recording, program, moment)]  # fmt: skip
-    print(claim.name, scenario.name, len(recording.moments), len(wrong),
-          sum(len(m.sent) for _, m in recording.moments))  # fmt: skip
     asked = {moment.asked for _, moment in recording.moments}
     assert asked == {asked_at(time, scenario) for time in at}
     assert wrong == []
@@ -139,6 +140,23 @@ class Agent(Node):
 
     def share(self, left):
         return 1 / left
+
+rclpy.init(); rclpy.spin(Agent())
+"""
+TWO = """
+class Agent(Node):
+    def __init__(self):
+        super().__init__('agent')
+        self.nearest = 0.0
+        self.publisher = self.create_publisher(Twist, '/cmd_vel', 10)
+        self.create_subscription(LaserScan, '/scan', self.on_scan, 10)
+        self.create_timer(0.06, self.tick)
+
+    def on_scan(self, scan):
+        self.nearest = min(scan.ranges)
+
+    def tick(self):
+        self.publisher.publish(Twist())
 
 rclpy.init(); rclpy.spin(Agent())
 """
@@ -224,6 +242,26 @@ def test_what_came_what_changed_what_left_and_what_was_raised(
     marked = {row["name"]: row["cells"] for row in table["rows"] if row["marked"]}
     assert marked["count"] == ["1 → 2", "3 → 4"]
     assert "speed" not in marked
+
+
+def test_two_moments_show_one_function(tmp_path: Path, looker: ForkServer) -> None:
+    """Whichever began last by each of them; and which reading of a scan was the nearest."""
+    recording, _ = looked(tmp_path, looker, TWO, 0.62, 0.75)
+    for at, began in ((0.62, "on_scan"), (0.75, "tick")):
+        [table] = tables_of(recording, [at])
+        assert table["rows"][0]["cells"][0].startswith(began)
+    [table] = tables_of(recording, [0.62, 0.75])
+    rows = {row["name"]: row["cells"] for row in table["rows"]}
+    marked = {row["name"] for row in table["rows"] if row["marked"]}
+    assert [cell.partition(" ")[0] for cell in rows["Function"]] == ["on_scan"] * 2
+    assert [cell.partition(" ")[0] for cell in rows["Also by then"]] == ["tick"] * 2
+    scans = recording.scans()
+    for cell, t in zip(rows["nearest"], rows["Began"], strict=True):
+        scan = next(each for each in scans if f"{each.t:.3f} s" == t)
+        i = int(np.argmin(scan.ranges))
+        where = f"{scan.ranges[i]:.3f} m at {round(math.degrees(scan.angles[i]), 1) + 0.0}°"
+        assert cell == f"{where}, ranges[{i}]; 360 of 360 are in range"
+    assert marked == set()  # it stands, and that a stamp or a time is another tells nothing
 
 
 def test_no_line_of_the_program_runs_and_much_is_cut_short(

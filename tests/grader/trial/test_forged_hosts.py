@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 from node_runs import short
 
 from grader.course.submission import Submission
 from grader.recording import Recording
-from grader.trial import recorder, virtual_time
+from grader.trial import endings, recorder
 from grader.trial.virtual_time import Limits, run_trial
 from rclpy_virtual_time.host.frames import (
     MAX_NAME,
@@ -50,7 +51,7 @@ class FakeForkServer:
 def forge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def]
     """Run a trial in which the host gives these answers, one after the other."""
     monkeypatch.setattr(pipes, "STACK_TIME", 0.1)
-    monkeypatch.setattr(virtual_time, "GRACE", 0.01)
+    monkeypatch.setattr(endings, "GRACE", 0.01)
     file = tmp_path / "node.py"
     file.write_text("pass")
 
@@ -71,6 +72,7 @@ def test_an_honest_fake_host_completes(forge) -> None:  # type: ignore[no-untype
     assert [message.time for message in recording.of("/scan")] == SCANS
 
 
+RAN = Moment(0, 0, 0, 0, "task", "", "", Place("f", ""), "", [], [], [], 0, "", "", [])
 TIMES = {
     "not the start": [settled(1)],
     "back in time": [settled(), settled(FIRST), settled(0)],
@@ -88,8 +90,7 @@ TIMES = {
     "early for ever": [encode(Slept(10**9))],
     "early in the middle": [settled(), encode(Slept(10**9))],
     "two answers": [settled() + settled(FIRST)],
-    "a moment that nobody looks into": [settled(), settled(FIRST, moments=[Moment(
-        0, 0, 0, 0, "task", "", "", Place("f", ""), "", [], [], [], 0, "", "", [])])],
+    "a moment that nobody looks into": [settled(), settled(FIRST, moments=[RAN])],
     "another kind of end": [frame({"type": "ended", "now": 0, "kind": "completed", "text": "",
                                    "detail": "", "published": []})],
 }  # fmt: skip
@@ -129,6 +130,12 @@ def test_endpoints_without_end_are_a_flood(forge) -> None:  # type: ignore[no-un
     answers = [settled(time, endpoints=many) for time in (0, *SCANS[:2])]
 
     assert forge(*answers, hang_up=False).outcome.kind == "flooded"
+
+
+def test_what_is_told_of_a_moment_has_an_end() -> None:
+    kept = recorder.Recorder(["agent.py"], looks=[0])
+    kept.look([replace(RAN, place=Place(f"f{i}", "")) for i in range(1000)])
+    assert len(kept._moments) == Moment.FUNCTIONS
 
 
 ODD = ["", "cmd_vel", "/\x00", "/a\nb", "/[bold]x[/]", "/\x1b[31m", "/ü" * 100, "/cmd_vel\u202e"]
