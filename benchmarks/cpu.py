@@ -5,8 +5,6 @@ median of five cold gradings each. CPU time, not wall time, so that a busy machi
 Where the time goes within a side, a sampling profiler tells: `py-spy record --subprocesses`.
 """
 
-from __future__ import annotations
-
 import json
 import resource
 import statistics

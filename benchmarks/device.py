@@ -10,8 +10,6 @@ CUDA works in the background, so the clock is read only when the device has fini
 PyTorch or without a GPU, what can't be measured is named and left out.
 """
 
-from __future__ import annotations
-
 import argparse
 import importlib.util
 import os

@@ -6,8 +6,6 @@ It needs `make workspace` and `make site`. `course grade` runs beside it, warm, 
 figures of a busy machine are good for ratios only, and CPU times.
 """
 
-from __future__ import annotations
-
 import functools
 import gzip
 import http.server

@@ -5,8 +5,6 @@ machine to machine. pymunk and plain rclpy are the ones in this environment; ir-
 otter-grader get one each in build/peers, which pip fills when it is not there.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import os

@@ -1,7 +1,5 @@
 """What all tests share: warm fork servers, and things that are made once."""
 
-from __future__ import annotations
-
 import fcntl
 import gc
 import os

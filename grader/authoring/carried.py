@@ -3,8 +3,6 @@
 Nobody has to trust a package index for the course itself, where anybody could own its name.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path

@@ -9,8 +9,6 @@ is compared to a nanometre per second: a forest that predicts in several threads
 in the order in which they end.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from dataclasses import replace

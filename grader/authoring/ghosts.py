@@ -4,8 +4,6 @@
 students have, too; `tests/grader/drive/test_race.py` compares it with a drive.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from typing import Any

@@ -7,8 +7,6 @@ Source: Gradescope, "Autograder Specifications": the zip is unpacked to /autogra
 runs once as root when the image is built, run_autograder for each submission.
 """
 
-from __future__ import annotations
-
 import json
 import tempfile
 from collections.abc import Collection, Sequence

@@ -1,7 +1,5 @@
 """Many claims graded by several processes at once; the answers come in the order of the claims."""
 
-from __future__ import annotations
-
 import atexit
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor

@@ -1,7 +1,5 @@
 """Build what a release does not just copy: the lesson's site and the students' notebooks."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import os

@@ -1,7 +1,5 @@
 """Search a release for pieces of solutions, in files, notebook cells and pages."""
 
-from __future__ import annotations
-
 import html
 import json
 import re

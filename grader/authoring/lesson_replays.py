@@ -4,8 +4,6 @@
 `:drive:` below a `{watch} NAME`, and writes OUT/NAME.html.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 import shlex

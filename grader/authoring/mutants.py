@@ -5,8 +5,6 @@ with `--into FOLDER` writes it there with the exercise's other files: to read, t
 (`--force`: in place of what is there). `--check` names each of all exercises that needs a `why`.
 """
 
-from __future__ import annotations
-
 import argparse
 import signal
 import sys

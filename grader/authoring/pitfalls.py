@@ -10,8 +10,6 @@ replays' frames, and the grader's output for wrong solutions (solutions/*/mutant
 the same mistakes. `--check` tells whether these are up to date.
 """
 
-from __future__ import annotations
-
 import difflib
 import html
 import re

@@ -4,8 +4,6 @@
 it is up to date.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import sys

@@ -4,8 +4,6 @@
 it in the expert's place; the scans themselves it makes again from their seeds.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from grader.models.dataset import PRACTICE, make_dataset

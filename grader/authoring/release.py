@@ -4,8 +4,6 @@ What goes in is listed here, so a new file stays with the instructor until someb
 anything is written, the release is searched for pieces of every solution.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

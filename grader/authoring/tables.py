@@ -6,8 +6,6 @@ between `<!-- table of checks -->` and `<!-- end of table -->`. `python -m grade
 writes it, `--check` only compares.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 import textwrap

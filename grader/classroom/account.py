@@ -1,7 +1,5 @@
 """What became of each file that was handed in: nothing is lost without a line."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import StrEnum
 

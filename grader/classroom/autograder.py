@@ -8,8 +8,6 @@ process, the judge, after the last node has ended.
 Source: Gradescope, "Autograder Specifications" and "Submission Metadata".
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Collection, Sequence

@@ -1,7 +1,5 @@
 """Grade a class: take the submissions in, grade or judge again, write the results."""
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import hmac

@@ -1,7 +1,5 @@
 """The folder of a graded class: who may write into it, and its results as they count now."""
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import os

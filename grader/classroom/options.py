@@ -1,7 +1,5 @@
 """How a class is graded: what `course autograde` is told."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from grader.lms.people import NOBODY, Roster

@@ -1,7 +1,5 @@
 """What the terminal says of a class: who handed in what, and what a batch came to."""
 
-from __future__ import annotations
-
 import statistics
 from pathlib import Path
 

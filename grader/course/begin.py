@@ -1,7 +1,5 @@
 """Make a student's folder of an exercise: task, hints, skeletons, words, a first test."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

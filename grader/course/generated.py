@@ -1,7 +1,5 @@
 """Files that a program of the course generates: write them, or say which are out of step."""
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Iterable, Sequence

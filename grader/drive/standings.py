@@ -3,8 +3,6 @@
 A file is what a student says; marks never come from it. Each byte is hostile until it is read.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path

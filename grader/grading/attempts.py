@@ -4,8 +4,6 @@ It is for the student's eyes only: no grading depends on it, and no result file 
 about it is ever an error: where it can't be read or written, nothing is said.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import sys

@@ -4,8 +4,6 @@
 anything but `GraderError`, and no error is ever the student's fault.
 """
 
-from __future__ import annotations
-
 import atexit
 import threading
 from collections.abc import Mapping

@@ -6,8 +6,6 @@ a list, not what is left out: which checks passed, and the judge's own texts. Ev
 students gets its grading from here.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Collection, Mapping
 from functools import cache

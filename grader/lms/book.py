@@ -1,7 +1,5 @@
 """What all gradebooks need: who has points in an exercise, by which ids, in which column."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence

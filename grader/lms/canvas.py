@@ -17,8 +17,6 @@ Sources, in instructure/canvas-lms:
   has to be of their submission. The comment's file is called as the attachment is.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Make students' text harmless where it goes: on a page, in a spreadsheet or XML."""
 
-from __future__ import annotations
-
 import re
 
 from rclpy_virtual_time import readable

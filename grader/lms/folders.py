@@ -1,7 +1,5 @@
 """Folders and archives: each is one student, and is called like them."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from pathlib import Path

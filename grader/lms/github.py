@@ -6,8 +6,6 @@ assignment's slug and the student's user name, with `-1` for who accepts the ass
 (github-education-resources/classroom, issue 1206). Git itself is never run in them.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from pathlib import Path

@@ -7,8 +7,6 @@
   Gradescope, "Autograder Specifications", "Output Format".
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -15,8 +15,6 @@ Sources, in moodle/moodle:
 - mod/assign/feedback/file/importziplib.php: folders `NAME_ID_assignfeedback_file`, split at `_`.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Names: of students as safe folders, of files as students vary them."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import unicodedata

@@ -8,8 +8,6 @@ Sources, in jupyter/nbgrader:
   Collected work is `submitted/USER/ASSIGNMENT`, with its time in `timestamp.txt`.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import sys

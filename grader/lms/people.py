@@ -1,7 +1,5 @@
 """People of a roster, and how they are found by what a download calls them."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence

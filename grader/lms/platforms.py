@@ -5,8 +5,6 @@ may hold links to the instructor's files, and names are whatever students typed.
 file with a `PLATFORM`, and a word in `PLATFORMS`.
 """
 
-from __future__ import annotations
-
 from grader.lms import canvas, folders, github, gradescope, moodle, nbgrader
 from grader.lms.platform import Platform
 

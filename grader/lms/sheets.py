@@ -6,8 +6,6 @@ mod/assign/gradingtable.php for the worksheet (`Identifier` is "Participant 4711
 roster and GitHub Classroom's `classroom_roster.csv` have the columns below.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import re

@@ -1,7 +1,5 @@
 """What platforms take back: CSV (RFC 4180), with text made harmless and ids as they are; zips."""
 
-from __future__ import annotations
-
 import csv
 import io
 import zipfile

@@ -3,8 +3,6 @@
 What these return can be stored and read back: finite, in the digits 0 – 9, within a range.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import re

@@ -5,8 +5,6 @@ to the third degree comes as near as exercise 2 asks (`tests/grader/models/test_
 knows this file comes near with its own formula, for the published expert alone.
 """
 
-from __future__ import annotations
-
 from dataclasses import astuple, dataclass
 
 import numpy as np

@@ -11,8 +11,6 @@ has the judge drive the students' `%%node` cells and writes the points. No stude
 executed. Settings (`c.JudgeNodes.…`): `trust`, `secret`.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 

@@ -4,8 +4,6 @@ Nothing that a student wrote is executed in this process or in a kernel; nodes r
 judge's isolation.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Read cells without running them: which file a cell writes, which checks it asks for."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterable, Sequence

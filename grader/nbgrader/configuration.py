@@ -1,7 +1,5 @@
 """Configure nbgrader: which steps are its own, which are the course's."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from nbconvert.preprocessors import CSSHTMLHeaderPreprocessor

@@ -6,8 +6,6 @@ each cell and comments the magic alone; its hydrogen format has it as it was typ
 other formats nobody can tell where a cell ends.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ Only a cell's type, text, nbgrader id and pasted pictures are kept; outputs and 
 are dropped.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field

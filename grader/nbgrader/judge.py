@@ -1,7 +1,5 @@
 """Have the files that a notebook writes judged."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

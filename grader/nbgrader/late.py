@@ -5,8 +5,6 @@ nbgrader's own plugin takes nothing or everything. The due date is the assignmen
 a submission is the one that `nbgrader submit` wrote down.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from datetime import datetime

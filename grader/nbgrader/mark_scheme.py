@@ -5,8 +5,6 @@ nbgrader's own step takes it out of what students get, but it knows mark schemes
 only, and there a student's answer has no cell of its own that could be restored and graded.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from nbformat import NotebookNode

@@ -1,7 +1,5 @@
 """Turn the judge's verdict into the points of one test cell."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -9,8 +9,6 @@ what comes out is sanitised there by nh3: no scripts, forms or styles, links to 
 pictures but those that were pasted. What takes too long is shown as it was typed.
 """
 
-from __future__ import annotations
-
 import re
 import time
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """The points of an exercise's checks, as the judge has them."""
 
-from __future__ import annotations
-
 from functools import cache
 
 from grader.course.exercises import find_exercise

@@ -1,7 +1,5 @@
 """Let nbgrader find the programs that it runs by name."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A step of `nbgrader generate_assignment`: replace solutions by what students get."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from nbformat import NotebookNode

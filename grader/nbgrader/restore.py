@@ -6,8 +6,6 @@ cells exist and what they are worth; a student's edits of a test cell have no ef
 stays as it is: the pages that show it sanitise it (`offline.py`).
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

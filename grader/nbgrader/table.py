@@ -1,7 +1,5 @@
 """The judge's verdict as the output of a test cell: HTML for the feedback, and plain text."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Sequence
 from dataclasses import dataclass

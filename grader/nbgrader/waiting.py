@@ -3,8 +3,6 @@
 nbgrader itself counts it as 0.0 in both, as it counts what nobody handed in.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

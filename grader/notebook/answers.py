@@ -1,7 +1,5 @@
 """What a notebook is shown of a grading: table and replays."""
 
-from __future__ import annotations
-
 import io
 import itertools
 from collections.abc import Sequence

@@ -18,8 +18,6 @@ have to understand it, too.
   containers, pip overrides that; anybody else is told to make a venv.
 """
 
-from __future__ import annotations
-
 import json
 import re
 

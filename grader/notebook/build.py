@@ -14,8 +14,6 @@ text says so in a note, *(filled in: …)*, and it is filled in here:
 be filled in.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The file in a `%%node` cell: its name, and whether Python can parse it. None of it is run."""
 
-from __future__ import annotations
-
 import re
 import warnings
 

@@ -1,7 +1,5 @@
 """The kernel's end of its judge process: start it, send it orders, end it."""
 
-from __future__ import annotations
-
 import atexit
 import contextlib
 import os

@@ -1,7 +1,5 @@
 """Show a replay below a cell: the report's page in an iframe that can reach nothing else."""
 
-from __future__ import annotations
-
 import html
 
 HEIGHT = 960  # [px]

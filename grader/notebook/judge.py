@@ -4,8 +4,6 @@ The kernel runs whatever a student writes, so nothing is judged in it. This proc
 from stdin, keeps its fork servers warm between them, and ends when the kernel does.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

@@ -1,7 +1,5 @@
 """`drive` and `check`: ask the judge, and show its answer below the cell."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Errors that a notebook shows as a sentence instead of our traceback."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """The messages between the kernel and its judge: one JSON object a line."""
 
-from __future__ import annotations
-
 import msgspec
 
 

@@ -4,8 +4,6 @@ A trial leaves its traces in a process, and a kernel has to live on. So the work
 pages runs trials, each in a fresh copy of its Python, and the kernel judges their recordings.
 """
 
-from __future__ import annotations
-
 import asyncio
 import json
 import pickle

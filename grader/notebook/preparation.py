@@ -7,8 +7,6 @@ same names are.
 Only the standard library is imported here until everything is installed.
 """
 
-from __future__ import annotations
-
 import importlib
 import os
 import re

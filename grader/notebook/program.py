@@ -1,7 +1,5 @@
 """Run a program while a bar below the cell shows the last line that it printed."""
 
-from __future__ import annotations
-
 import os
 import select
 import subprocess

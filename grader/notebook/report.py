@@ -1,7 +1,5 @@
 """What `check` shows: the terminal's table, in the same words, with replays below."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

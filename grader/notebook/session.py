@@ -1,7 +1,5 @@
 """The files that this kernel's `%%node` cells wrote."""
 
-from __future__ import annotations
-
 import ast
 from dataclasses import dataclass, field
 from pathlib import Path

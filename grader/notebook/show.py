@@ -4,8 +4,6 @@ Outside a notebook (IPython in a terminal, a plain program) only the text is pri
 to stderr: nbgrader takes that for a failure.
 """
 
-from __future__ import annotations
-
 import html
 import sys
 import time

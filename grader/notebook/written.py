@@ -1,7 +1,5 @@
 """How old a judged file is, and whether it is what the notebook's cell writes."""
 
-from __future__ import annotations
-
 import os
 import time
 from pathlib import Path

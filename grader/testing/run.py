@@ -1,7 +1,5 @@
 """One drive as a test reads it: arrays over time, and the messages."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path

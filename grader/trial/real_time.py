@@ -5,8 +5,6 @@ robot's ends of the topics, in a process of its own, and says when what came. Th
 form of any other.
 """
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What the engine's tests share: a warm fork server, and a way to run a few lines of node."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The engine's own wheel in an environment of its own, and beside the course's."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """rclpy's Python out of wheels: the right versions, nothing native, all or nothing."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 

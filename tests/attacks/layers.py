@@ -5,8 +5,6 @@ one that runs as an ordinary user; then the machine itself offers less: an older
 disk, no user namespaces. `make attacks` prints the table; `--write` puts it into docs/attacks.md.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -4,8 +4,6 @@ Chromium comes by playwright, Firefox by its own WebDriver BiDi, WebKitGTK by it
 on a screen of Xvfb's. Where one is not there, its tests are skipped.
 """
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import json

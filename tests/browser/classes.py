@@ -1,7 +1,5 @@
 """A synthetic class: students of known ability in two exercises, some of them held or hostile."""
 
-from __future__ import annotations
-
 import random
 from typing import Any
 

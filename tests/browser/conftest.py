@@ -1,7 +1,5 @@
 """Pages of synthetic payloads in a real Chromium, and the site from a server."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Pages and frames that hold a replay: look at them until something is so."""
 
-from __future__ import annotations
-
 from typing import Any
 
 LIMIT = 60.0  # [s] for a server to start, a notebook to run: far more than they take

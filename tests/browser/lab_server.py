@@ -1,7 +1,5 @@
 """A Jupyter server of our own in a temporary folder, and pages of it in a browser."""
 
-from __future__ import annotations
-
 import json
 import os
 import secrets

@@ -1,7 +1,5 @@
 """What the lesson's pages say that a drive prints."""
 
-from __future__ import annotations
-
 import re
 
 from grader.course.exercises import ROOT

@@ -1,7 +1,5 @@
 """Synthetic page payloads: a robot that touches a wall, one that reaches a goal, odd data."""
 
-from __future__ import annotations
-
 import base64
 import math
 from typing import Any

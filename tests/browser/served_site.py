@@ -1,7 +1,5 @@
 """The built site on a plain server, below a sub-path; and what one does in its workspace."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import http.server

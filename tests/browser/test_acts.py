@@ -1,7 +1,5 @@
 """What the lesson's pages do: questions, wrong lines, answers, replays, figures, progress."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """axe-core has nothing against any kind of page with a report or a replay, light or dark."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

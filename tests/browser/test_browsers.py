@@ -1,7 +1,5 @@
 """What runs in a browser is asked of it: a page says it before anything is opened, and it is so."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import tomllib

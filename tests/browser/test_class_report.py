@@ -1,7 +1,5 @@
 """The class report and the students' pages in a real browser, down to two replays side by side."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The lesson's programs in a real browser: driven where they are shown, changed, driven again."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

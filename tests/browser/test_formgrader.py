@@ -3,8 +3,6 @@
 One submission is graded by the command, the other by the formgrader's own button.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from importlib.util import find_spec

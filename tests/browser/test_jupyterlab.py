@@ -3,8 +3,6 @@
 The first notebook as it is released, once with the solution and once with a mistake in it.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass

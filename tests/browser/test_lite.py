@@ -4,8 +4,6 @@ The cells are those that students get; what is written into them is driven by th
 judged in the notebook's kernel. Without `make lite` these tests are skipped.
 """
 
-from __future__ import annotations
-
 import json
 import time
 from pathlib import Path

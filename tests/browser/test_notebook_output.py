@@ -1,7 +1,5 @@
 """What `drive` and `check` show below a cell, in a real Chromium: the frame's page draws itself."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The pages of lessons/pitfalls in a real browser, with the replays in their frames."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

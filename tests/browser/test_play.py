@@ -1,7 +1,5 @@
 """The figures to play with say what the project's own simulation does."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path

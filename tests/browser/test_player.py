@@ -1,7 +1,5 @@
 """The report and its replay player in a real browser. Time is driven by hooks, never slept."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from typing import Any

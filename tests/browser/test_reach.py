@@ -1,8 +1,6 @@
 """Every control of a report can be reached by keyboard and hit with a finger; it opens where it
 matters, and prints whole."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -3,8 +3,6 @@
 No completion changes a word that is finished. Without `make workspace` these tests are skipped.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import tokenize

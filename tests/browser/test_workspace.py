@@ -4,8 +4,6 @@ Every other host leads nowhere. What is typed is driven and checked by the page;
 those of `course grade`. Without `make workspace` these tests are skipped.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

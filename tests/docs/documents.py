@@ -1,7 +1,5 @@
 """The project's documents, as tests read them: prose, links, headings, code."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import unicodedata

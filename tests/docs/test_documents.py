@@ -1,7 +1,5 @@
 """The documents: what they mention is there, and what they say of the course is true."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 import shlex

@@ -1,7 +1,5 @@
 """docs/architecture.md draws the rooms as import-linter knows them, and leaves none out."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 

@@ -3,8 +3,6 @@
 A whole exercise is made in a copy of the project, read, graded, proven, linted, and taken back.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

@@ -1,7 +1,5 @@
 """Files as people give them: notebooks, archives, second copies, letters that are not UTF-8."""
 
-from __future__ import annotations
-
 import shutil
 import zipfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Nothing that others wrote reaches a terminal as anything but text, whatever command prints it."""
 
-from __future__ import annotations
-
 import ast
 import os
 import pty

@@ -1,7 +1,5 @@
 """What several journeys begin with. Each starts where its person starts."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -4,8 +4,6 @@ No variable of the tests is set there, and nothing of the checkout is on the pat
 what pip would bring is taken from the tests' environment: only what the course asks for.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """A class, from Canvas's download to feedback and gradebook; and once more, with the late ones."""
 
-from __future__ import annotations
-
 import csv
 import io
 import zipfile

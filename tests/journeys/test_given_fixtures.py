@@ -1,7 +1,5 @@
 """A student's own tests, those of docs/testing-your-node.md, where the wheel is installed."""
 
-from __future__ import annotations
-
 import re
 
 from person import ROOT, Person

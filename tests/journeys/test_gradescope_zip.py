@@ -1,7 +1,5 @@
 """Gradescope's zip: unpacked into its folders, its scripts run, a submission judged."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -4,8 +4,6 @@ The layout is that of a hub whose servers run in containers: one exchange that a
 the user `jovyan` there, and the hub says who it is (`JUPYTERHUB_USER`).
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import os

@@ -1,7 +1,5 @@
 """A notebook as students get it, from its first cell, which installs the course, to a check."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Packages of people's own: one of `ros2 pkg create`, and one like those that are public."""
 
-from __future__ import annotations
-
 import pytest
 from person import ROOT, Person
 

@@ -1,7 +1,5 @@
 """README's two commands, as they stand there, in a fresh clone. pip asks its index."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A student with the package that the class was given: from its README to `course next`."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

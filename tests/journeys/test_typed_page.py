@@ -1,7 +1,5 @@
 """A reader on the site's front page, who types exercise 1 key by key, to all of its points."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

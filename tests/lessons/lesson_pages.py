@@ -1,7 +1,5 @@
 """The lesson's pages as the tests see them: prose, and fenced blocks."""
 
-from __future__ import annotations
-
 import functools
 import re
 import sys

@@ -1,7 +1,5 @@
 """The pitfalls' nodes as parameters of tests, and their runs, each driven once."""
 
-from __future__ import annotations
-
 import functools
 
 import pytest

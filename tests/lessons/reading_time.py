@@ -1,7 +1,5 @@
 """How long a page takes a reader with English as a second language (`index.md` says the rates)."""
 
-from __future__ import annotations
-
 import re
 
 WORDS = 150  # a minute

@@ -1,7 +1,5 @@
 """Which of the pages' programs get a button that lets them drive in the browser."""
 
-from __future__ import annotations
-
 import html.parser
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The rows of kilted.md, each run plainly and in a drive, on the real rclpy that is here."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

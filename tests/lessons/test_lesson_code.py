@@ -1,7 +1,5 @@
 """Every program in the lesson runs, and prints what the page says that it prints."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import re

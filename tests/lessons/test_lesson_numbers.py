@@ -1,7 +1,5 @@
 """The lesson's numbers are the contract's: each has a law, and no page writes one by hand."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import math

@@ -1,7 +1,5 @@
 """The lesson's programs keep its rules: what says nothing, or is old, means zero."""
 
-from __future__ import annotations
-
 import math
 import runpy
 import tempfile

@@ -1,7 +1,5 @@
 """Links to notebooks, and that those of exercises that are left out do not get into the site."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The pitfalls' pages and replays: what is made is up to date, and true."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

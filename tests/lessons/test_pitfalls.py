@@ -1,7 +1,5 @@
 """lessons/pitfalls: wrong nodes fail as their pages say, right ones do not, and none passes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the pages promise a reader: so many minutes, and questions that have to be read."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter

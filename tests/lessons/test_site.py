@@ -1,7 +1,5 @@
 """The lesson's site: it builds without a warning, leads nowhere wrong, and needs no network."""
 
-from __future__ import annotations
-
 import html.parser
 import re
 from functools import cache

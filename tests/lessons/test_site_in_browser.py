@@ -1,7 +1,5 @@
 """The lesson's site in a real browser, offline; axe-core has nothing against any kind of page."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Real kernels, one for each file of tests."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterator

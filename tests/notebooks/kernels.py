@@ -1,7 +1,5 @@
 """A real kernel for tests: run a cell, look at what came out of it."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """The table of `check` as HTML: the terminal's words, and nothing of a student's is markup."""
 
-from __future__ import annotations
-
 import html
 import re
 from io import StringIO

@@ -1,7 +1,5 @@
 """`drive` and `check` in a real kernel: what the judge says, with a bar on the way."""
 
-from __future__ import annotations
-
 import html
 import json
 import re

@@ -1,7 +1,5 @@
 """A due date is stored as README writes it, by nbgrader's own command, wherever one is."""
 
-from __future__ import annotations
-
 import logging
 import os
 import re

@@ -1,7 +1,5 @@
 """A notebook saved as a program is read, or a person looks; other programs stay what they are."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import jupytext

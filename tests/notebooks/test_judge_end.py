@@ -1,7 +1,5 @@
 """The stop button, mistakes, and the end of a notebook's judge: nothing is left of it."""
 
-from __future__ import annotations
-
 import os
 import sys
 import tempfile

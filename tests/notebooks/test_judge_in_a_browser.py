@@ -3,8 +3,6 @@
 tests/browser/test_lite.py has the real one.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

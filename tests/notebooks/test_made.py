@@ -1,7 +1,5 @@
 """Whoever needs the notebooks makes them: an image and a dev container do, and nbgrader says so."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """`%%node` in a real kernel: files are written as they stand, or not at all."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

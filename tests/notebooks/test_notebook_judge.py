@@ -1,7 +1,5 @@
 """The judge of a notebook, asked in this process: what it answers, and how it tells of progress."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator

@@ -3,8 +3,6 @@
 `tests/journeys/test_notebook_begun.py` does all of it on a real bare system Python.
 """
 
-from __future__ import annotations
-
 import ast
 import json
 import os

@@ -1,7 +1,5 @@
 """Plots of scans: what is drawn is what the scan says, left is left, and axes have units."""
 
-from __future__ import annotations
-
 import math
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """`dataset` and `train` in a real kernel."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -3,8 +3,6 @@
 Classes take what the real ones take and keep it; a launch file is then asked what it would start.
 """
 
-from __future__ import annotations
-
 import runpy
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """A workspace with our two packages, programs that run in it, and a robot that asks them."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

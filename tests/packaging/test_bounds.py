@@ -3,8 +3,6 @@
 If a test fails after an update: look at what moved, then raise the bound in pyproject.toml.
 """
 
-from __future__ import annotations
-
 import tomllib
 from datetime import UTC, datetime
 

@@ -4,8 +4,6 @@ colcon is no part of the course's tools. `COURSE_COLCON=PATH_OF_COLCON pytest te
 this, with a colcon from apt (python3-colcon-common-extensions) or pip (colcon-common-extensions).
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Who has an old Python reads one sentence that says so."""
 
-from __future__ import annotations
-
 import ast
 import contextlib
 import importlib.metadata

@@ -1,7 +1,5 @@
 """The launch files: what they take, and which nodes they start with what."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

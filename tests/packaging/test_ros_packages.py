@@ -3,8 +3,6 @@
 `test_colcon.py` builds them with colcon itself.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """The parameter files, read by the real rclpy, arrive in the reference solutions' nodes."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

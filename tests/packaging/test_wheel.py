@@ -1,7 +1,5 @@
 """The one wheel for every system: what is in it. tests/journeys work with it."""
 
-from __future__ import annotations
-
 import importlib
 import os
 import subprocess

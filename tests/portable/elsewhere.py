@@ -10,8 +10,6 @@ runs the command `course` there, or pytest with the course's fixtures, or a note
 The hosts that it starts begin with `impoverish()`, too.
 """
 
-from __future__ import annotations
-
 import builtins
 import importlib.abc
 import importlib.machinery

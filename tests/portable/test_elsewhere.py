@@ -1,7 +1,5 @@
 """The command `course` on a process that has nothing that only Linux or Unix has."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Programs that print what rclpy does print the same on the real rclpy and on the portable one."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -7,8 +7,6 @@ the race if it is to `tell`; of another, to `tell` or with `arguments`, what the
 drive. The recordings stay in FOLDER.
 """
 
-from __future__ import annotations
-
 import collections
 import json
 import os

@@ -1,7 +1,5 @@
 """What a lesson's page prints of a drive, in CPython, against `course drive`: byte for byte."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import re

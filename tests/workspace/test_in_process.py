@@ -1,7 +1,5 @@
 """The page's way of grading, in CPython, against the grader's own: verdicts, messages, digests."""
 
-from __future__ import annotations
-
 import json
 import os
 import pickle

@@ -1,7 +1,5 @@
 """What stands in for msgspec and pymunk in the page reads and drives as they do."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

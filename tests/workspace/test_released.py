@@ -1,7 +1,5 @@
 """Packages of Pyodide's release: those that are needed, and only the files that it was made of."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from pathlib import Path

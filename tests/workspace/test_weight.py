@@ -1,7 +1,5 @@
 """What a first visit to the page may fetch."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

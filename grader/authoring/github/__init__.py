@@ -1,7 +1,5 @@
 """What a template repository for GitHub Classroom has besides the students' material."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from pathlib import Path

@@ -5,8 +5,6 @@ The templates lie in `files/`, each at the place that it makes; `SLUG` and `NOTE
 What is generated is generated.
 """
 
-from __future__ import annotations
-
 import difflib
 import importlib.util
 import keyword

@@ -1,7 +1,5 @@
 """Apply the log to stored gradings: checks first, then lateness, a person's score last."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any

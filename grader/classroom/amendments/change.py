@@ -1,7 +1,5 @@
 """What a person may change: the entries of the log, by kind."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import msgspec

@@ -5,8 +5,6 @@ Canvas says only LATE, and Moodle's grading worksheet has times and extensions i
 zone.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The log of changed marks, a table of the class's store: who changed what, when and why."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

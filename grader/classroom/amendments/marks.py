@@ -1,7 +1,5 @@
 """The points of a stored result; or why there are none, and what to do about it."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace

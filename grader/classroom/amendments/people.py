@@ -1,7 +1,5 @@
 """Find the students that a person means: by folder, id, login, e-mail or name."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
 

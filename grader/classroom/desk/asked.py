@@ -4,8 +4,6 @@ Nothing here writes: `Marking.add` does, and `Marking.preview` says what it woul
 there is nobody and nothing that is called so, or no such number, InputError says what there is.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The pages of the desk. Each is made of the class's store, as the commands read it."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import threading

@@ -7,8 +7,6 @@ that no other site's page can have sent (SameSite=Strict) and no script can read
 of students are served without the desk's origin (CSP: sandbox), whatever is in them.
 """
 
-from __future__ import annotations
-
 import asyncio
 import secrets
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Who handed in what: find every student's files, and give an account of them."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Enter a class into its store: queue what is new or changed, and lose nothing without a word."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path

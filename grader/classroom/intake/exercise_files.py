@@ -1,7 +1,5 @@
 """Find an exercise's files among a student's, and say what is left over."""
 
-from __future__ import annotations
-
 import contextlib
 import difflib
 import hashlib

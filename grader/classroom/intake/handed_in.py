@@ -1,7 +1,5 @@
 """What students handed in, as it lies on this disk."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from pathlib import Path
 

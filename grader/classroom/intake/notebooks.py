@@ -1,7 +1,5 @@
 """The nodes in a notebook: what its `%%node` cells write is a student's work like any file."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from pathlib import Path

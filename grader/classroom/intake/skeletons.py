@@ -1,7 +1,5 @@
 """What was handed out is no work: skeletons, and the rest of the course's own files."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

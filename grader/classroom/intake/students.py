@@ -1,7 +1,5 @@
 """From downloads to students: read them, unpack archives, bring together what is one's."""
 
-from __future__ import annotations
-
 import os
 import stat
 from collections.abc import Iterator, Sequence

@@ -4,8 +4,6 @@ A student has one key, the name of a folder, which marks, worlds, feedback and e
 is bound to ids: those of the roster and of the platforms, as the class's store has seen them.
 """
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

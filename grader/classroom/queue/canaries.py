@@ -7,8 +7,6 @@ after the last good round are graded again; after a bad one, they and the rest o
 left to a person. A stall of the machine is no verdict: such a round confirms nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 

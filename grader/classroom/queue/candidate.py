@@ -1,7 +1,5 @@
 """A candidate for the queue: one student's files for one exercise, where they lie."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What a grading depends on besides the submitted files: the course's own code and versions."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Iterator, Mapping

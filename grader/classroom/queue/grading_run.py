@@ -1,7 +1,5 @@
 """One run over the queue: grade what waits, and watch the grader with known solutions."""
 
-from __future__ import annotations
-
 import io
 import os
 import shutil

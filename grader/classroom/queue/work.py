@@ -4,8 +4,6 @@ A unit carries all that it needs and can be pickled. Nothing here raises because
 whatever happens becomes a result or its `problem`.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import gc

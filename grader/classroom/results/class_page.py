@@ -1,7 +1,5 @@
 """The class report, which the instructor reads first: one page, no script, no network."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

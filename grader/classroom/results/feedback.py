@@ -1,7 +1,5 @@
 """A student's feedback: a page for each exercise, with replays, and an index page."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """Write a file so that nobody reads half of one."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Iterator
 from pathlib import Path

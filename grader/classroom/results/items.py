@@ -1,7 +1,5 @@
 """The scores of a class in an exercise, and how often each of its checks failed."""
 
-from __future__ import annotations
-
 import re
 import statistics
 from collections import Counter

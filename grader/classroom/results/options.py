@@ -1,7 +1,5 @@
 """How results are written: title, notes, and what students don't see."""
 
-from __future__ import annotations
-
 import difflib
 import json
 import os

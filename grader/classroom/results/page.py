@@ -1,7 +1,5 @@
 """Pages from templates, which need neither scripts nor the network."""
 
-from __future__ import annotations
-
 import base64
 import functools
 import hashlib

@@ -3,8 +3,6 @@
 Held and missing gradings are empty cells, never zeros.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from grader.classroom.amendments import marks

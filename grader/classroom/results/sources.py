@@ -4,8 +4,6 @@ Beside it lies the course's own code: what was handed out, which everybody has, 
 and checks, from which somebody may have copied.
 """
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath

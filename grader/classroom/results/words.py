@@ -1,7 +1,5 @@
 """Numbers, times and counts in words, as the reports print them."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from datetime import UTC
 

@@ -1,7 +1,5 @@
 """Write all results of a graded class."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import shutil

@@ -1,7 +1,5 @@
 """Is a world fair? A right node of the exercise must be able to cope with it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

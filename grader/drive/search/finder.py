@@ -7,8 +7,6 @@ fails in the same way. With a number of tries, the same seed gives the same worl
 time the machine decides.
 """
 
-from __future__ import annotations
-
 import contextlib
 import dataclasses
 import itertools

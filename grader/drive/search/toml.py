@@ -1,7 +1,5 @@
 """A scenario as a short TOML file: only what differs from the defaults."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

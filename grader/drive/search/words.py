@@ -1,7 +1,5 @@
 """A world and what went wrong in it, in a student's words."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -7,8 +7,6 @@ badge field-ready (other lidars, lost messages, drivers that publish best effort
 if it is asked for.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

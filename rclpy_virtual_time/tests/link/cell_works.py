@@ -1,7 +1,5 @@
 """What is done in a reader's cell, by tests: each tries what no parser should."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import socket

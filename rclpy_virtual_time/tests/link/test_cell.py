@@ -1,7 +1,5 @@
 """A reader's cell: its end costs one file, and nothing comes out of it but plain data."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

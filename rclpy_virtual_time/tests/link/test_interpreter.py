@@ -1,7 +1,5 @@
 """A Python that finds its own libraries through LD_LIBRARY_PATH only can have hosts."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

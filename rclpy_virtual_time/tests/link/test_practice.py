@@ -1,7 +1,5 @@
 """Hosts without Linux's means: they end, hang, print and forge, and the judge goes on."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

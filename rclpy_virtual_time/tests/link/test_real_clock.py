@@ -1,7 +1,5 @@
 """The judge has the machine's clocks, whatever a node's host makes of `time`."""
 
-from __future__ import annotations
-
 import ast
 import math
 import subprocess

@@ -1,7 +1,5 @@
 """What `course doctor` says that a class would fail on."""
 
-from __future__ import annotations
-
 import importlib.metadata
 import os
 import resource

@@ -1,7 +1,5 @@
 """Run pytest as a student does: in a folder outside the checkout, in a process of its own."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The engine's README: its test passes, and a run may be put into virtual time as a whole."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

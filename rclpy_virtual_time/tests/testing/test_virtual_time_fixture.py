@@ -3,8 +3,6 @@
 rclpy_virtual_time/testing/virtual_time.py and host/testing (alone, session, world) are tested here.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -2,8 +2,6 @@
 # mypy: ignore-errors
 # ruff: noqa
 
-from __future__ import annotations
-
 import time as json
 
 import rclpy  # type: ignore

@@ -1,7 +1,5 @@
 """The wheel beside a release's notebooks, and the address that they are told."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

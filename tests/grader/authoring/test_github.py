@@ -1,7 +1,5 @@
 """GitHub Classroom's template repository, and the container that a release comes with."""
 
-from __future__ import annotations
-
 import base64
 import json
 import subprocess

@@ -1,7 +1,5 @@
 """The zip for Gradescope: what is in it, for whom, and that its scripts are sound."""
 
-from __future__ import annotations
-
 import re
 import stat
 import subprocess

@@ -1,7 +1,5 @@
 """The search for answers in what students get."""
 
-from __future__ import annotations
-
 import html
 import json
 import shutil

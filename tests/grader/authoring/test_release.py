@@ -1,7 +1,5 @@
 """What students get, and that no answer is among it."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

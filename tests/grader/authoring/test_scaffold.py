@@ -3,8 +3,6 @@
 `tests/docs/test_walk.py` makes one, proves it, and runs `make lint` on it.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 import tomllib

@@ -1,7 +1,5 @@
 """The nearest distance ahead is kept by all that it depends on, not by the readings alone."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """The desk as a browser without scripts meets it: the real command, its pages and its forms."""
 
-from __future__ import annotations
-
 import contextlib
 import http.client
 import re

@@ -3,8 +3,6 @@
 Bombs, links, locked and broken archives of the plainest kind are in test_intake.py.
 """
 
-from __future__ import annotations
-
 import gzip
 import io
 import json

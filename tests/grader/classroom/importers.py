@@ -3,8 +3,6 @@
 Each class says which source its rules are from; they were read, not copied.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import re

@@ -1,7 +1,5 @@
 """A graded class whose marks are changed."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -4,8 +4,6 @@ The schema is written after Gradescope's "Autograder Specifications" (docs/specs
 gradescope/autograder_samples): its fields and no others, its words for formats and visibility.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Modules, data and packages reach the judge through every platform's format."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

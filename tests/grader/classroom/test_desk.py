@@ -1,7 +1,5 @@
 """`course desk`, over its HTTP: what is done there is what the commands do, and nobody else can."""
 
-from __future__ import annotations
-
 import html as html_
 import shutil
 from collections.abc import Callable, Iterator

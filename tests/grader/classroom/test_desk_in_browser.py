@@ -1,7 +1,5 @@
 """`course desk` in a real Chromium: two assistants at once, hostile students, no axe violation."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any

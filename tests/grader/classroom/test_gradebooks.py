@@ -1,7 +1,5 @@
 """Downloads taken in, and gradebook files read by the rules of the platforms that import them."""
 
-from __future__ import annotations
-
 import csv
 import io
 import zipfile

@@ -1,7 +1,5 @@
 """What a student's file does to its reader costs that student alone, with a reason."""
 
-from __future__ import annotations
-
 import re
 import resource
 from collections.abc import Iterator

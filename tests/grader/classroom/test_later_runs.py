@@ -1,7 +1,5 @@
 """A later run into the same folder: what it says of the one before, and what it refuses."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Marks that people change: what they come to, in every export."""
 
-from __future__ import annotations
-
 import csv
 import errno
 import io

@@ -1,7 +1,5 @@
 """`course marks` and `course report`: what they say, their exit codes, the options of a batch."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -4,8 +4,6 @@ The fields come from the structs, the commands and the desk's forms themselves, 
 tried, too. Where one is refused, an error of one line says so; nothing else may be raised.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import shutil

@@ -1,7 +1,5 @@
 """What is written of a class: right formats, hostile names and messages, the same bytes again."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

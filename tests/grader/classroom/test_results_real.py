@@ -1,7 +1,5 @@
 """Results of a real class: a right and a wrong solution, graded on the real rclpy, with bags."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

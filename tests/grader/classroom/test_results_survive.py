@@ -1,7 +1,5 @@
 """What fails in the results costs only itself: it is named, and everything else is written."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace

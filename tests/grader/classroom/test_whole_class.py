@@ -3,8 +3,6 @@
 Each file says whose it is by a number, and the judge gives that many points.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import shutil

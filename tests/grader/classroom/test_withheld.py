@@ -1,7 +1,5 @@
 """What an instructor may keep from students, and what that leaves of a page."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """`course start`: what a student finds in the new folder, and that no work is overwritten."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`course next`: what to do, from what passed last."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What is said at full marks: what was good, and what a reader would remark without points."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Which launcher a command takes; trials by one that runs anywhere are as by any other."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

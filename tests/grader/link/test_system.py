@@ -1,7 +1,5 @@
 """What is said of a computer: whether there are wheels of ROS for it, and who has tried it."""
 
-from __future__ import annotations
-
 import platform
 import sys
 from io import StringIO

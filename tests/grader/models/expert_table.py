@@ -4,8 +4,6 @@
 first of them, for each of the experts that a graded class may get.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """The fixture `drive`: arguments, errors, and what a failure says (grader/testing, drives, run)."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """docs/testing-your-node.md: its tests fail for wrong nodes; tests/journeys let them pass."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

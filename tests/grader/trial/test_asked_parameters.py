@@ -1,7 +1,5 @@
 """What a scenario or a person asks of parameters reaches the node, or the trial says so."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """A forged answer of a package places nothing outside, and is no fault of the grader's."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import msgspec

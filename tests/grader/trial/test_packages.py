@@ -1,7 +1,5 @@
 """What lies beside a node comes along, and a colcon package runs as on a robot."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import msgspec
