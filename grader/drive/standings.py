@@ -11,6 +11,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
+from grader.course.beside import listed
 from grader.course.exercises import Exercise, all_exercises, find_exercise
 from grader.course.submission import read_regular_file
 from grader.drive.race import Lap, Name, digest_of, one_line, unit_of, worlds_of
@@ -121,6 +122,9 @@ def standings(folder: Path) -> tuple[dict[str, list[Result]], list[str]]:
             found[result.exercise, result.nickname.casefold()].append((result, name))
         except InputError as error:
             said.append(f"{name}: left out: {one_line(str(error))}")
+    others = [path for path in sorted(folder.rglob("*")) if path.suffix != ".json"]
+    if more := [one_line(path.relative_to(folder).as_posix()) for path in others if path.is_file()]:
+        said.append(f"{listed(more)}: left out: expected results, files such as race.json")
     entries: dict[str, list[Result]] = {}
     for (slug, _), theirs in sorted(found.items()):
         best, file = min(theirs, key=lambda each: each[0].rank)

@@ -90,7 +90,7 @@ def copy_files(app: Sphinx, error: Exception | None) -> None:
             if about["ways"]:
                 (target.parent / "ways").mkdir(exist_ok=True)
                 shutil.copy(way, target.parent / "ways")
-        (target / "plan.json").write_text(json.dumps(plans), "utf-8")
+        (target / "plan.json").write_text(json.dumps(plans, separators=(",", ":")), "utf-8")
 
 
 def setup(app: Sphinx) -> dict[str, Any]:

@@ -24,6 +24,15 @@ PATIENCE = 1200  # [s] of a script, on a busy machine
 KEYS = {"Enter": "\ue007", "Control": "\ue009", "Shift": "\ue008"}
 # Whatever an expression comes to, once its promise is kept
 KEPT = "(async () => JSON.stringify(await ({})) ?? 'null')()"
+# The text of the file that a click saves
+SAVED = """(async () => {
+  const make = URL.createObjectURL;
+  const saved = new Promise((keep) => {
+    URL.createObjectURL = (blob) => { keep(blob); return make(blob); };
+  });
+  CLICK;
+  return (await saved).text();
+})()"""
 
 
 @dataclass

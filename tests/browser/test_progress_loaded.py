@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browsers import BROWSERS
+from browsers import BROWSERS, SAVED
 from served_site import served
 
 from grader.course.exercises import ROOT
@@ -24,7 +24,7 @@ LOAD = """(async () => {
   while (!document.querySelector('.ws-progress[open]')) await soon();
   const input = document.querySelector('.ws-progress input');
   const made = new DataTransfer();
-  made.items.add(new File([TEXT], 'p.json'));
+  made.items.add(new File([TEXT], NAME));
   input.files = made.files;
   const said = document.querySelector('.ws-progress [role=status]');
   said.replaceChildren();
@@ -32,14 +32,7 @@ LOAD = """(async () => {
   while (!said.textContent) await soon();
   return said.innerText;
 })()"""
-SAVE = """(async () => {
-  const make = URL.createObjectURL;
-  const saved = new Promise((keep) => {
-    URL.createObjectURL = (blob) => { keep(blob); return make(blob); };
-  });
-  document.querySelector('.ws-progress button').click();
-  return (await saved).text();
-})()"""
+SAVE = SAVED.replace("CLICK", "document.querySelector('.ws-progress button').click()")
 FULL = """(() => { const set = Storage.prototype.setItem;
   Storage.prototype.setItem = function full(key, text) {
     if (text.includes('too much')) throw new DOMException('no', 'QuotaExceededError');
@@ -81,9 +74,10 @@ def test_what_is_loaded_is_added_or_refused_as_a_whole(
         tab.value("(async () => { while (!document.querySelector('.cm-content')) "
                   "await new Promise((next) => { setTimeout(next, 50); }); })()")  # fmt: skip
 
-        def say(content: Any) -> str:
+        def say(content: Any, file: str = "p.json") -> str:
             text = content if isinstance(content, str) else json.dumps(content)
-            return str(tab.value(LOAD.replace("TEXT", json.dumps(text))))
+            load = LOAD.replace("NAME", json.dumps(file))
+            return str(tab.value(load.replace("TEXT", json.dumps(text))))
 
         def kept(slug: str = SLUG) -> Any:
             return tab.value(f"localStorage['course-workspace:{slug}'] ?? null")
@@ -124,3 +118,8 @@ def test_what_is_loaded_is_added_or_refused_as_a_whole(
         for again in (doc({SLUG: came}), tab.value(SAVE)):
             say(again)
             assert json.loads(kept()) == now  # nothing more
+        assert "at most 65536 characters" in say("#" * 65_537, "long.toml")
+        assert json.loads(kept()) == now
+        assert "Loaded: b_by_hand_1.toml." in say(OWN + "#", "<b>by hand (1).toml")
+        assert json.loads(kept())["scenarios"]["b_by_hand_1.toml"] == OWN + "#"
+        assert tab.value("document.querySelector('#ws-scenario').value") == "b_by_hand_1.toml"

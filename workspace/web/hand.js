@@ -31,7 +31,7 @@ export class Hand {
     Object.assign(this, { act, save, say, commandOf });
     this.deeds = this.settled = this.there = [];
     this.at = 0;
-    this.moment = el('span', {});
+    [this.moment, this.can] = [el('span', {}), el('span', { class: 'ws-can' })];
     this.slider = el('input', { type: 'range', min: 0, step: 0.1, 'aria-label': 'Moment of the replay [s]',
       oninput: () => {
         this.update(this.slider.valueAsNumber);
@@ -39,7 +39,7 @@ export class Hand {
       } });
     this.body = el('div', { class: 'ws-hand-body' });
     this.element = el('details', { class: 'ws-below ws-hand', 'data-pane': 'replay', name: 'ws-below', hidden: true },
-      el('summary', {}, 'By hand', this.moment),
+      el('summary', {}, 'By hand', this.moment, this.can),
       el('p', { class: 'ws-since' }, 'Your code has changed since. What you do here drives the changed code.'),
       el('div', { class: 'ws-moment' }, this.slider), this.body);
   }
@@ -88,6 +88,9 @@ export class Hand {
     const nodes = new Set(knobs.map(({ node }) => node));
     this.knobs = knobs.map((knob, i) => this.knob(knob, i, nodes.size > 1));
     const can = Object.fromEntries(Object.entries(NEEDS).map(([deed, topic]) => [deed, hears.includes(topic)]));
+    const acts = [knobs.length && hasStacks && 'turn a parameter', can.e_stop && 'press the e-stop', can.goal && 'send a goal',
+      can.covers && 'cover the lidar', can.box && 'put a box down'].filter(Boolean);
+    this.can.textContent = acts.length ? `: ${acts.join(', ')}` : '';
     this.there = ['x', 'y'].map((axis) => el('input', { type: 'number', step: 'any', value: 0, 'aria-label': `${axis} [m]` }));
     this.stop = this.button('', () => this.do({ e_stop: !this.isStopped() }), { hidden: !can.e_stop });
     this.items = el('ol', { class: 'ws-done', 'aria-label': 'Done by hand' });
@@ -200,6 +203,6 @@ export class Hand {
   keep() {
     const [name, content] = this.saved;
     const file = this.save(name, new TextDecoder().decode(content));
-    this.command.replaceChildren('Drive it again: ', el('code', {}, this.commandOf(file)));
+    this.command.replaceChildren('Drive it again: ', el('code', {}, this.commandOf(file)), '. Progress loads its file in another browser.');
   }
 }

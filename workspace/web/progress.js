@@ -186,6 +186,16 @@ function bring(content, exercises, own) {
   });
 }
 
+/** Keep a scenario's file among the reader's own of this exercise, and choose it; return what came of it, in a line. */
+function bringScenario(name, content, workspace) {
+  string(content, name, SCENARIO);
+  const plain = name.replace(/\.toml$/i, '').replace(/[^A-Za-z0-9]+/g, '_').replace(/^_|_$/g, '');
+  const file = workspace.shelf.addScenario(`${plain || 'scenario'}.toml`, content);
+  workspace.listVersions();
+  workspace.scenario.value = file;
+  return [`Loaded: ${file}. It is chosen now, and below “Your own” in the list of scenarios: Drive reads it.`];
+}
+
 /** Return the dialog that saves and loads a workspace's progress, and that of all other exercises. */
 export function progressDialog(workspace, exercises) {
   const said = el('div', { role: 'status' });
@@ -202,19 +212,22 @@ export function progressDialog(workspace, exercises) {
       must(file.size <= MOST, 'the file', `at most ${MOST} bytes`);
       const content = new TextDecoder('utf-8', { fatal: true }).decode(await file.arrayBuffer());
       must(workspace.shelf.works, 'this browser', 'one that keeps something for this site');
-      tell(...await bring(content, exercises, workspace.shelf.key));
-      workspace.takeKept();
+      if (/\.toml$/i.test(file.name)) tell(...bringScenario(file.name, content, workspace));
+      else {
+        tell(...await bring(content, exercises, workspace.shelf.key));
+        workspace.takeKept();
+      }
     } catch (error) {
       tell(error instanceof Wrong ? error.message : 'Nothing was loaded: the file can’t be read as text.');
     }
     target.value = ''; // the same file can be chosen again
   };
   const dialog = el('dialog', { class: 'ws-progress', 'aria-label': 'Progress', onclose: () => said.replaceChildren() },
-    el('p', {}, 'All exercises in one file: what you wrote, its versions and results, your own scenarios. Load it in another browser, ',
+    el('p', {}, 'All exercises in one file: what you wrote, its versions and results, your best laps, your own scenarios. Load it in another browser, ',
       'or in the installed course: ', el('code', {}, `course progress ${NAME}`)),
-    el('p', {}, 'Loading adds to what is here: what you wrote stays, the file’s text is among the versions then.'),
+    el('p', {}, 'Loading adds to what is here: what you wrote stays, the file’s text is among the versions then. A scenario’s file, such as demo_wall_by_hand.toml, joins your own.'),
     el('div', { class: 'ws-tools' },
-      button('Save to a file', save), el('label', { class: 'ws-load' }, 'Load a file', el('input', { type: 'file', accept: '.json', onchange: load })),
+      button('Save to a file', save), el('label', { class: 'ws-load' }, 'Load a file', el('input', { type: 'file', accept: '.json,.toml', onchange: load })),
       button('Close', () => dialog.close())),
     said);
   workspace.dialog.append(dialog);

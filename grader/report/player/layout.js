@@ -12,6 +12,8 @@ const KEYS = [
   ['?', 'this help'],
 ];
 
+const CLEARANCE = 'From the robot\u2019s edge to the nearest thing on any side. A scan measures from the lidar, inside the robot, so it reads more.';
+
 function toggleButton(name, label, pressed, onclick) {
   return iconButton(name, label, onclick, { 'aria-pressed': String(pressed) });
 }
@@ -46,12 +48,12 @@ function buildStage(actions) {
 
 function buildReadout() {
   const values = {};
-  const stat = (name, label) => {
+  const stat = (name, label, title = null) => {
     values[name] = el('dd', {});
-    return el('div', { class: 'stat' }, el('dt', {}, label), values[name]);
+    return el('div', { class: 'stat', title }, el('dt', {}, label), values[name]);
   };
   const element = el('dl', { class: 'readout' }, stat('speed', 'Speed'), stat('turn', 'Turning'),
-    stat('command', 'Commanded'), stat('clearance', 'Clearance'));
+    stat('command', 'Commanded'), stat('clearance', 'Clearance', CLEARANCE));
   return { values, element };
 }
 
@@ -90,6 +92,7 @@ function buildHelp() {
     el('dl', {}, KEYS.map(([keys, what]) => el('div', {},
       el('dt', {}, keys.split(' ').map((key) => el('kbd', {}, key))), el('dd', {}, what)))),
     el('p', { class: 'quiet' }, 'Drag the map to move it. Click it, then scroll to zoom; or hold Ctrl.'),
+    el('p', { class: 'quiet' }, el('b', {}, 'Clearance: '), CLEARANCE),
   ]);
   dialog.addEventListener('click', (event) => {
     if (event.target === dialog) dialog.close();

@@ -150,13 +150,14 @@ def test_a_class_is_ranked_and_what_is_no_result_is_left_out_by_name(tmp_path: P
         (tmp_path / f"{name}.json").write_bytes(data)
     (tmp_path / "link.json").symlink_to(tmp_path / "ada.json")
     (tmp_path / "folder.json").mkdir()
+    (tmp_path / "b" / "photo.png").touch()
     found, said = standings(tmp_path)
     rows = class_rows(FIRST, found[FIRST.slug])
     assert [row[:2] for row in rows[1:]] == [["1.", "Ada"], ["1.", "Cyd"], ["3.", "=cmd()|Bob"]]
     assert rows[3][2:] == ["2 of 3", "9.00", "9.00", "-", "18.00", "0.30", "0.57"]
     two = "2 results by one nickname, for neither case nor blanks count"
     assert said.pop() == f"Ada: {two}: ada.json (by “Ada”), b/ada.json (by “ada”); ada.json counts"
-    left = {f"{name}.json" for name in (*hostile(), "link", "folder")}
+    left = {f"{name}.json" for name in (*hostile(), "link", "folder")} | {"b/photo.png"}
     assert {line.partition(": left out: ")[0] for line in said} == left
     assert all("\x1b" not in line and "\n" not in line for line in said)
     table = tmp_path / "table.csv"
