@@ -8,11 +8,12 @@ from the start on, x and y [m].
 from __future__ import annotations
 
 import cmath
-import json
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from grader.drive.as_toml import entry
 from grader.recording.hands import SETTER
 from sim.scenario_files import tables_of
 from sim.toml_input import parse_toml, read_toml
@@ -53,7 +54,7 @@ def scenario_by_hand(name: str, deeds: Sequence[Mapping[str, Any]]) -> str:
         if isinstance(world, str):
             world = parse_toml(read_toml(world_names()[world]), world)
         doc["world"] = {**world, "boxes": [*world.get("boxes", []), *boxes]}
-    return "".join(f"{_key(key)} = {_text(value, lines=True)}\n" for key, value in doc.items())
+    return "\n".join([*itertools.starmap(entry, doc.items()), ""])
 
 
 def _setter(node: str, sets: Sequence[Mapping[str, Any]]) -> Tables:
@@ -67,19 +68,3 @@ def _turned_back(place: Sequence[float], full: Tables) -> list[float]:
     """Return where a place on the map lies before the scenario mirrors and turns its world."""
     there = complex(*place) * cmath.rect(1.0, math.radians(-full.get("rotate_deg", 0.0)))
     return [round(there.real, 3), round(-there.imag if full.get("mirror") else there.imag, 3)]
-
-
-def _key(name: str) -> str:
-    return name if name.replace("_", "").isalnum() else json.dumps(name)
-
-
-def _text(value: Any, *, lines: bool = False) -> str:
-    """Return a value as TOML writes it; tables of a list on `lines` of their own."""
-    if isinstance(value, dict):
-        return f"{{ {', '.join(f'{_key(key)} = {_text(each)}' for key, each in value.items())} }}"
-    if isinstance(value, list):
-        texts = [_text(each) for each in value]
-        if lines and any(isinstance(each, dict) for each in value):
-            return "".join(["[\n", *(f"    {text},\n" for text in texts), "]"])
-        return f"[{', '.join(texts)}]"
-    return json.dumps(value, ensure_ascii=False) if isinstance(value, bool | str) else repr(value)

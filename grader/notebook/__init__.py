@@ -240,7 +240,7 @@ def show_scan(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Any =
     with kind_errors():
         from grader.notebook.plots import plot_scan  # noqa: PLC0415
 
-        return plot_scan(scan, lidar=lidar, at=at, ax=ax)
+        return plot_scan(scan, lidar, at, ax)
 
 
 def show_features(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Any = None) -> Any:
@@ -251,7 +251,7 @@ def show_features(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: A
     with kind_errors():
         from grader.notebook.plots import plot_features  # noqa: PLC0415
 
-        return plot_features(scan, lidar=lidar, at=at, ax=ax)
+        return plot_features(scan, lidar, at, ax)
 
 
 def show_left_right(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Any = None) -> Any:
@@ -263,7 +263,7 @@ def show_left_right(scan: Any, *, lidar: str | None = None, at: float = 0.0, ax:
     with kind_errors():
         from grader.notebook.plots import plot_left_right  # noqa: PLC0415
 
-        return plot_left_right(scan, lidar=lidar, at=at, ax=ax)
+        return plot_left_right(scan, lidar, at, ax)
 
 
 def load_ipython_extension(shell: InteractiveShell) -> None:

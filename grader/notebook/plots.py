@@ -35,9 +35,7 @@ SECTORS = (  # label, colour, marker
 LEFT, RIGHT = (ORANGE, "^"), (GREEN, "s")
 
 
-def plot_scan(
-    scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Axes | None = None
-) -> Axes:
+def plot_scan(scan: Any, lidar: str | None, at: float, ax: Axes | None) -> Axes:
     """See `grader.notebook.show_scan`."""
     found, title = as_scan(scan, lidar=lidar, at=at)
     axes = _map(found, title, ax)
@@ -48,9 +46,7 @@ def plot_scan(
     return axes
 
 
-def plot_features(
-    scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Axes | None = None
-) -> Axes:
+def plot_features(scan: Any, lidar: str | None, at: float, ax: Axes | None) -> Axes:
     """See `grader.notebook.show_features`."""
     found, title = as_scan(scan, lidar=lidar, at=at)
     axes = _map(found, title, ax)
@@ -79,9 +75,7 @@ def plot_features(
     return axes
 
 
-def plot_left_right(
-    scan: Any, *, lidar: str | None = None, at: float = 0.0, ax: Axes | None = None
-) -> Axes:
+def plot_left_right(scan: Any, lidar: str | None, at: float, ax: Axes | None) -> Axes:
     """See `grader.notebook.show_left_right`."""
     found, title = as_scan(scan, lidar=lidar, at=at)
     axes = ax if ax is not None else _new_axes((8.0, 4.0))

@@ -61,10 +61,10 @@ def listing(page: str, name: str) -> str:
     return dict(found)[name]
 
 
-def said_by_page(folder: Path, orders: list[dict[str, str]]) -> list[dict[str, Any]]:
+def said_by_page(folder: Path, orders: list[Any], *more: str) -> list[dict[str, Any]]:
     lay(folder, course_files())
     done = subprocess.run(
-        [sys.executable, FORKED, folder],
+        [sys.executable, FORKED, folder, *more],
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),  # as a background job
         input="".join(f"{json.dumps(order)}\n" for order in orders),
         text=True,

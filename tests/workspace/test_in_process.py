@@ -3,13 +3,12 @@
 import json
 import os
 import pickle
-import subprocess
-import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from test_drives import said_by_page
 
 from grader.authoring.digests import UNSETTLED, comparable
 from grader.claims.claims import claims, complete
@@ -19,10 +18,8 @@ from grader.grading.grading import grade_submission
 from grader.recording import Recording
 from rclpy_virtual_time.link.hosts import ForkServer
 from sim.scenario_files import load_scenario
-from workspace.build import course_files, lay
 from workspace.plan import fields, methods, plan
 
-FORKED = Path(__file__).with_name("forked.py")
 MEASURED = "callback_time"  # how long the machine computed, not virtual time
 LAST_BITS = ("numpy_polyfit",)  # LAPACK's sums depend on where in memory an array lies
 TOLD = ("outcome", "message", "expected", "actual", "help", "time", "scenario", "where", "log")
@@ -100,16 +97,7 @@ def _graded(
 ) -> dict[str, Any]:  # fmt: skip
     order = {"exercise": exercise.slug, "file": str(submission.path), "seed": seed,
              "others": list(exercise.files), "scenarios": scenarios}  # fmt: skip
-    lay(folder, course_files())
-    done = subprocess.run(
-        [sys.executable, FORKED, folder, *more],
-        input=json.dumps(order),
-        text=True,
-        capture_output=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    found: dict[str, Any] = json.loads(done.stdout)
+    [found] = said_by_page(folder, [order], *more)
     return found
 
 

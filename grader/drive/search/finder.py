@@ -18,9 +18,9 @@ from random import Random
 
 from msgspec.structs import replace
 
+from grader.drive.as_toml import scenario_to_toml
 from grader.drive.mishaps import BREAKS, DIES, KINDS, LOST, STANDS, TOUCHES, Mishap, mishap_of
 from grader.drive.search.fair import is_fair
-from grader.drive.search.toml import scenario_to_toml
 from grader.drive.search.words import sentence, title
 from grader.drive.search.worlds import Arena, Draw, Plan
 from grader.recording import Recording

@@ -15,6 +15,15 @@ def report(at: float, mean: float, said: float, count: float = 9.0, tag: str = "
     return Case(at, "a report", frozenset({tag, "count"}), right, told)
 
 
+def assert_seen(said: str, reports: list[Case], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(causes, "cases", lambda run: reports)
+    run: Any = SimpleNamespace(name="latency_times", published=[])
+    found = causes.seen({"latency_times": run}, ["mean_and_max"])
+    assert said in (found.text if found else "")
+    assert bool(found) == bool(said)
+    assert causes.seen({"latency_times": run}, ["clipped"]) is None
+
+
 @pytest.mark.parametrize(
     ("factor", "said"),
     [
@@ -29,14 +38,7 @@ def test_a_slip_of_units_is_seen_in_all_reports(
     factor: float, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     reports = [report(float(i), i + 1.0, factor * (i + 1)) for i in range(4)]
-    monkeypatch.setattr(causes, "cases", lambda run: reports)
-    run: Any = SimpleNamespace(name="latency_times", published=[])
-
-    found = causes.seen({"latency_times": run}, ["mean_and_max"])
-
-    assert said in (found.text if found else "")
-    assert bool(found) == bool(said)
-    assert causes.seen({"latency_times": run}, ["clipped"]) is None
+    assert_seen(said, reports, monkeypatch)
 
 
 @pytest.mark.parametrize(
@@ -51,10 +53,4 @@ def test_a_window_only_fills(
     counts: tuple[float, ...], tag: str, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     reports = [report(float(i), 1.0, 0.0, count, tag) for i, count in enumerate(counts)]
-    monkeypatch.setattr(causes, "cases", lambda run: reports)
-    run: Any = SimpleNamespace(name="latency_times", published=[])
-
-    found = causes.seen({"latency_times": run}, ["mean_and_max"])
-
-    assert said in (found.text if found else "")
-    assert bool(found) == bool(said)
+    assert_seen(said, reports, monkeypatch)

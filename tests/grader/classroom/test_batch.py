@@ -160,9 +160,13 @@ def test_a_drift_puts_what_came_before_in_quarantine(grade_class: Any, tmp_path:
     assert "quarantine" in (tmp_path / "out" / "class.html").read_text()
 
 
-@pytest.mark.parametrize("bad", [".reference", ".mutant"])
-def test_a_grader_that_judges_wrong_grades_nobody(grade_class: Any, bad: str) -> None:
+@pytest.mark.parametrize(
+    ("bad", "stalled"), [(".reference", ""), (".mutant", ""), (".mutant", ".reference")]
+)
+def test_a_grader_that_judges_wrong_grades_nobody(grade_class: Any, bad: str, stalled: str) -> None:
     def wrong(unit: Unit) -> UnitResult:
+        if unit.student == stalled:
+            return UnitResult(grading("stop_zone", outcome="inconclusive"))
         return UnitResult(grading("wiring")) if unit.student == bad else fair(unit)
 
     results, workers, _ = grade_class(wrong, canaries=25)

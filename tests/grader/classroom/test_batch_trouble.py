@@ -142,18 +142,6 @@ def test_trouble_beside_a_canary_is_forgiven_but_what_lasts_is_not(
     assert mutants == ([False, True] if times == 2 else [False, True, False])
 
 
-def test_a_stall_beside_a_drift_hides_nothing(grade_class: Any) -> None:
-    def wrong(unit: Unit) -> UnitResult:
-        if unit.student == ".reference":
-            return UnitResult(STALLED)
-        return UnitResult(grading("wiring")) if unit.student == ".mutant" else fair(unit)
-
-    results, workers, _ = grade_class(wrong, canaries=25)
-    assert workers.students == []
-    assert {r.state for r in results.values()} == {HELD}
-    assert "could not be trusted" in results["ann"].problem
-
-
 # --- progress ------------------------------------------------------------------------------
 
 

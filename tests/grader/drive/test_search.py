@@ -15,10 +15,10 @@ from grader.claims.mutants import find_mutant
 from grader.cli import cli
 from grader.course.exercises import all_exercises, exercise_for, find_exercise
 from grader.drive import node
+from grader.drive.as_toml import scenario_to_toml
 from grader.drive.search import arena_of, search
 from grader.drive.search.fair import is_fair
 from grader.drive.search.finder import cut
-from grader.drive.search.toml import scenario_to_toml
 from grader.drive.search.worlds import Draw
 from grader.errors import InputError
 from grader.exercises import contract_of

@@ -1,4 +1,6 @@
-"""A scenario as a short TOML file: only what differs from the defaults."""
+"""Values as TOML, and a scenario as a short file: only what differs from the defaults."""
+
+from __future__ import annotations
 
 import itertools
 import json
@@ -18,10 +20,19 @@ def scenario_to_toml(scenario: Scenario) -> str:
     """Return the text of a file from which `load_scenario` makes this scenario."""
     doc = _plain(msgspec.structs.replace(scenario, name=""))
     tables = {key: doc.pop(key) for key in list(doc) if isinstance(doc[key], dict)}
-    lines = list(itertools.starmap(_entry, doc.items()))
+    lines = list(itertools.starmap(entry, doc.items()))
     for name, table in tables.items():
-        lines += ["", f"[{name}]", *itertools.starmap(_entry, table.items())]
+        lines += ["", f"[{name}]", *itertools.starmap(entry, table.items())]
     return "\n".join(lines) + "\n"
+
+
+def entry(key: str, value: Any) -> str:
+    """Return a line; a long list has one for each of its items."""
+    line = f"{_key(key)} = {_value(value)}"
+    if len(line) <= WIDTH or not isinstance(value, list):
+        return line
+    items = "".join(f"    {_value(item)},\n" for item in value)
+    return f"{_key(key)} = [\n{items}]"
 
 
 def _plain(value: Any) -> Any:
@@ -40,15 +51,6 @@ def _plain(value: Any) -> Any:
 def _default(field: msgspec.structs.FieldInfo) -> Any:
     made = field.default_factory
     return field.default if made is msgspec.NODEFAULT else made()
-
-
-def _entry(key: str, value: Any) -> str:
-    """Return a line; a long list has one for each of its items."""
-    line = f"{_key(key)} = {_value(value)}"
-    if len(line) <= WIDTH or not isinstance(value, list):
-        return line
-    items = "".join(f"    {_value(item)},\n" for item in value)
-    return f"{_key(key)} = [\n{items}]"
 
 
 def _key(key: str) -> str:
