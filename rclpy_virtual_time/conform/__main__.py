@@ -7,8 +7,6 @@ The checkout is of ros2/rclpy at the tag of the installed wheels. Exit status 1:
 that the reviewed list does not know, or no longer differs as the list says.
 """
 
-from __future__ import annotations
-
 import argparse
 import signal
 import sys

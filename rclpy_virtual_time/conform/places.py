@@ -1,7 +1,5 @@
 """Two places to run a program in: plain Python, in real time, and a host, in virtual time."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

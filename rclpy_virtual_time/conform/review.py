@@ -1,7 +1,5 @@
 """The reviewed list: which differences between plain Python and a host are meant, and why."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass, field

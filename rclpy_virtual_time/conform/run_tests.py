@@ -8,8 +8,6 @@ when it ends: a test that hangs or kills its process can be told from what comes
 file holds already is not run again.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

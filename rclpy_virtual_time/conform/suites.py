@@ -1,7 +1,5 @@
 """Run the modules of a suite of tests in both places; say how each test ended."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import os

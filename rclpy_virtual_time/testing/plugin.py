@@ -5,8 +5,6 @@ file). Nothing is started before a test asks, and little is imported: every run 
 this.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import pytest

@@ -5,8 +5,6 @@ in which pytest runs. The host runs pytest on that one test, with all its fixtur
 come back as if the test had run here.
 """
 
-from __future__ import annotations
-
 import builtins
 import json
 import os
