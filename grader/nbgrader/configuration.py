@@ -1,5 +1,8 @@
-"""Configure nbgrader: which steps are its own, which are the course's."""
+"""Configure nbgrader: which steps are its own, which the course's; where its programs are."""
 
+import os
+import sys
+from pathlib import Path
 from typing import Any
 
 from nbconvert.preprocessors import CSSHTMLHeaderPreprocessor
@@ -15,10 +18,8 @@ from nbgrader.preprocessors import (
 
 from grader.nbgrader.autograde import CourseExporter, JudgeNodes, RestoreCells
 from grader.nbgrader.late import LatePenalty
-from grader.nbgrader.mark_scheme import HideMarkScheme
 from grader.nbgrader.offline import work_offline
-from grader.nbgrader.programs import find_programs
-from grader.nbgrader.release import LeaveSkeletons
+from grader.nbgrader.release import HideMarkScheme, LeaveSkeletons
 from grader.nbgrader.waiting import FILTERS, ExportGrades, ShowGrades
 
 VALIDATION_LIMIT = 300  # [s] for a test cell in `nbgrader validate`; nbgrader's own is 30
@@ -56,3 +57,11 @@ def set_up(config: Any) -> None:
     config.Execute.timeout = VALIDATION_LIMIT
     work_offline(config)
     config.HTMLExporter.filters |= FILTERS
+
+
+def find_programs() -> None:
+    """Let nbgrader find `alembic` in an environment that is not activated."""
+    programs = str(Path(sys.executable).parent)
+    paths = os.environ.get("PATH", os.defpath).split(os.pathsep)
+    if programs not in paths:
+        os.environ["PATH"] = os.pathsep.join([programs, *paths])

@@ -1,9 +1,9 @@
-"""A step of `nbgrader generate_assignment`: replace solutions by what students get."""
+"""Steps of `nbgrader generate_assignment`: replace solutions, hide mark schemes."""
 
 from typing import Any
 
 from nbformat import NotebookNode
-from nbgrader.preprocessors import NbGraderPreprocessor
+from nbgrader.preprocessors import ClearMarkScheme, NbGraderPreprocessor
 from traitlets import Unicode
 
 from grader.course.skeletons import strip_solution
@@ -41,3 +41,21 @@ class LeaveSkeletons(NbGraderPreprocessor):  # type: ignore[misc]
             return self.stub
         magic, _, body = cell.source.partition("\n")
         return f"{magic}\n{strip_solution(body, f'cell {name}')}".rstrip("\n")
+
+
+class HideMarkScheme(ClearMarkScheme):  # type: ignore[misc]
+    """Takes the mark schemes out of the instructor's own cells; what students wrote stays.
+
+    The gradebook keeps the question with it, so `RestoreCells` puts it back into the graded
+    notebook. nbgrader's own step takes it out of what students get, but it knows mark schemes in
+    task cells only, and there a student's answer has no cell of its own that could be restored.
+    """
+
+    def preprocess_cell(
+        self, cell: NotebookNode, resources: Resources, cell_index: int
+    ) -> tuple[NotebookNode, Resources]:
+        """Return the cell as students see it."""
+        about = cell.metadata.get("nbgrader", {})
+        if about.get("locked") and not about.get("solution"):
+            self._remove_mark_scheme_region(cell)
+        return cell, resources

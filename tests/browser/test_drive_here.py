@@ -1,10 +1,10 @@
 """The lesson's programs in a real browser: driven where they are shown, changed, driven again."""
 
+import re
 from collections.abc import Callable
 from typing import Any
 
 import pytest
-from lesson_texts import shown_below
 from served_site import SLOW, settle, type_in, typed
 
 from grader.authoring.pitfalls import NODES
@@ -19,6 +19,15 @@ BEAT = "beat.py --scenario demo_wall --duration 6 --param threads:=2 --param sep
 pytestmark = pytest.mark.skipif(
     not MADE.is_file(), reason="the site has no workspace here: run `make workspace`"
 )
+
+
+def shown_below(page: str, command: str) -> list[str]:
+    """Return the lines of the output below a command, without those that stand for others."""
+    text = re.sub(r" \\\n +", " ", (ROOT / "lessons" / f"{page}.md").read_text("utf-8"))
+    at = re.escape(f"```console\n$ course drive {command}\n```\n\n```output")
+    found = re.search(at + r"(?: log)?\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    assert found, f"lessons/{page}.md: expected {command} with its output"
+    return [line for line in found[1].splitlines() if line and line != "…"]
 
 
 def press(page: Any, name: str, exact: bool = True) -> None:

@@ -11,7 +11,7 @@ from nbformat import v4
 from nbgrader_kit import gradebook, nbgrader
 
 from grader.nbgrader.autograde import FILE, JudgeNodes
-from grader.nbgrader.programs import find_programs
+from grader.nbgrader.configuration import find_programs
 from grader.notebook.build import NOTEBOOKS
 
 README = (NOTEBOOKS / "README.md").read_text("utf-8")
