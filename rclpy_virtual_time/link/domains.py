@@ -1,7 +1,5 @@
 """DDS domains: a number for each live trial, because trials in one domain hear each other."""
 
-from __future__ import annotations
-
 import contextlib
 import random
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The judge's handle on one host: its pipes and its end."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

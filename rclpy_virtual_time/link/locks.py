@@ -1,7 +1,5 @@
 """Names that one grader on this machine holds at a time: users, DDS domains."""
 
-from __future__ import annotations
-
 import contextlib
 import socket
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The pipes to a host of Linux's: frames, what it prints, and how long the judge waits for it."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

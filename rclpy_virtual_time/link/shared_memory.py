@@ -6,8 +6,6 @@ other hosts, and every ROS node of this machine. (Boost's managed_open_or_create
 the first word of the file says "initialized".)
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 from collections.abc import Iterator
