@@ -92,7 +92,9 @@ def release(
         lacks = "nodes can't be written in the site's pages: make workspace first"
         for lack in filter(None, (what_lacks(wheel, source), "" if workspace else lacks)):
             echo(f"Note: {lack}.", err=True)
-        made = handouts(left, answers=not no_answers, ways=ways)  # takes a minute
+        echo("Building the lesson's site and the notebooks takes a minute or two …", err=True)
+        made = handouts(left, answers=not no_answers, ways=ways)
+        echo("Built. Looking for what gives a solution away …", err=True)
         return carried(made, wheel, source)
 
     released = [each for each in all_exercises() if not slugs or each.slug in slugs]

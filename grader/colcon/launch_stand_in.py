@@ -11,6 +11,7 @@ import difflib
 import functools
 import json
 import os
+import re
 import runpy
 import sys
 from collections.abc import Iterable, Iterator, Mapping
@@ -47,6 +48,10 @@ class Unknown(Exception):
 
 class Mistaken(Exception):
     """A launch file has something that `ros2 launch` does not take either."""
+
+
+NO_NAME = re.compile(r"^$|\s|:=|[^/]/$")  # of a topic or service
+NAMES = 'expected two names without blanks, as in ("scan", "/scan"): the program\'s, then the new'
 
 
 @dataclass
@@ -486,8 +491,11 @@ class Node(_Action):
                 made[file] = _yaml(node, _flat(given, context))
             else:
                 words += [w for pair in _flat(given, context) for w in ("-p", ":=".join(pair))]
-        for source, target in (*context.remappings, *self._remappings):
-            words += ["-r", f"{_text(source, context)}:={_text(target, context)}"]
+        for pair in (*context.remappings, *self._remappings):
+            names = tuple(_text(name, context) for name in pair)
+            if any(NO_NAME.search(name) for name in names):
+                raise Mistaken(f"Node(remappings=…): {names}: {NAMES}")
+            words += ["-r", ":=".join(names)]
         first = [_text(word, context) for word in self._arguments]
         ros = ["--ros-args", *words] if words else []
         context.started.append(Started(package, executable, (*first, *ros), self._needed, made))

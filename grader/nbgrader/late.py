@@ -7,7 +7,7 @@ a submission is the one that `nbgrader submit` wrote down.
 
 import functools
 import math
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Any
 
 from nbgrader.plugins import LateSubmissionPlugin
@@ -15,17 +15,20 @@ from traitlets import Float
 
 DAY = 24 * 60 * 60  # [s]
 ODD = (
-    "%s is due at %s UTC, says the gradebook. Nobody sets such seconds: nbgrader takes an offset "
-    "behind a blank, as in “18:00 +0100”, for seconds. If another time was meant: "
+    "%s is due at %s UTC (%s here), says the gradebook. Nobody sets such seconds: nbgrader takes "
+    "an offset behind a blank, as in “18:00 +0100”, for seconds. If another time was meant: "
     "nbgrader db assignment add %s --duedate=2027-01-15T18:00:00+01:00"
 )
 
 
 @functools.cache
 def look_at_due_date(assignment: str, due: datetime | None, log: Any) -> None:
-    """Warn, once, of a due date that was hardly meant (nbgrader.utils.parse_utc)."""
-    if due is not None and due.second:
-        log.warning(ODD, assignment, due, assignment)
+    """Say, once, when that is here; warn if it was hardly meant (nbgrader.utils.parse_utc)."""
+    if due is not None:
+        here = f"{due.replace(tzinfo=UTC).astimezone():%Y-%m-%d %H:%M:%S %Z}"
+        log.info("%s is due at %s UTC, %s here", assignment, due, here)
+        if due.second:
+            log.warning(ODD, assignment, due, here, assignment)
 
 
 class LatePenalty(LateSubmissionPlugin):  # type: ignore[misc]

@@ -3,6 +3,7 @@
 import logging
 import os
 import re
+import time
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -58,10 +59,17 @@ def test_a_due_date_with_any_offset_is_meant_and_an_odd_one_is_told(
         "notebook": "loop",
         "student": "ann",
     }
+    caplog.set_level(logging.INFO, "due")
+    monkeypatch.setenv("TZ", "Asia/Kolkata")
+    time.tzset()
     for _ in ("ann", "bob"):
         for number in range(len(due)):
             place = {"nbgrader": about | {"assignment": f"week{number}"}, FILE: str(tmp_path / "x")}
             JudgeNodes(log=logging.getLogger("due")).preprocess(v4.new_notebook(), place)
-    (told,) = caplog.messages  # once for a class
-    assert told.startswith("week5 is due at 2027-01-15 17:58:20 UTC, says the gradebook")
+    monkeypatch.undo()
+    time.tzset()
+    *dates, told = caplog.messages  # once for a class
+    assert dates[0] == "week0 is due at 2027-01-15 17:00:00 UTC, 2027-01-15 22:30:00 IST here"
+    assert len(dates) == len(due)
+    assert told.startswith("week5 is due at 2027-01-15 17:58:20 UTC (2027-01-15 23:28:20 IST here)")
     assert "nbgrader db assignment add week5 --duedate=2027-01-15T18:00:00+01:00" in told

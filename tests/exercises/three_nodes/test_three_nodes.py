@@ -47,6 +47,7 @@ def graded(folder: Path, forkserver: ForkServer, *only: str) -> Grading:
          "line 32: Node has no argument namspace: is namespace meant?"),
         ('[("scan", "/scan")]', '("scan", "/scan")', "fail",
          "line 19: Node(remappings=…) takes a list of pairs"),
+        ('("scan", "/scan")', '("scan", "/scan ")', "fail", "expected two names without blanks"),
         ("return LaunchDescription", "LaunchDescription", "fail", "returns nothing"),
         ("from launch_ros.actions", "from rclpy.node", "fail", "this Node is rclpy's"),
     ],
