@@ -75,6 +75,9 @@ def progress_(file: Path, export: bool) -> None:
         before = progress.read_progress(file) if file.exists() else None
         found, said = progress.progress_of(Path(), before)
         progress.write_progress(found, file)
+        if before is None:
+            said.append(f"{file} is new: earlier versions are in the file that the page has saved.")
+            said.append("Export into that to keep them.")
         said.append(f"{file}: work in {', '.join(found.exercises) or 'no exercise'}")
     else:
         found = progress.read_progress(file)

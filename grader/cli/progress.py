@@ -22,6 +22,7 @@ from grader.course.submission import read_regular_file
 from grader.course.untouched import bare
 from grader.errors import InputError
 from grader.grading.attempts import replace
+from rclpy_virtual_time import readable
 from sim.scenario_files import scenario_from_toml
 
 MOST = 2**24  # [bytes]
@@ -77,14 +78,20 @@ def read_progress(file: Path) -> Progress:
     """
     try:
         data = read_regular_file(file, MOST)
-        if len(data) > MOST:
-            raise ValueError(f"more than {MOST:,} bytes")
-        return msgspec.json.decode(data, type=Progress)
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(
-            f"{file}: expected a file that the page's *Progress* or `course progress --export` has "
-            f"saved: {error}"
-        ) from None
+        if len(data) <= MOST:
+            return msgspec.json.decode(data, type=Progress)
+        came = f"one of more than {MOST >> 20} MB"
+    except OSError as error:
+        came = f"none: {error.strerror}"
+    except (ValueError, RecursionError) as error:
+        came = f"a damaged or newer one ({error}); save it again where it was made"
+        if b'"course-progress"' not in data:
+            start = readable(data[:30].decode(errors="replace")).strip()
+            came = f"one that begins with “{start}”; choose another"
+    raise InputError(
+        f"{file}: expected a file that the page's *Progress* or `course progress --export` has "
+        f"saved, got {came}"
+    )
 
 
 def bring(progress: Progress, here: Path) -> list[str]:
@@ -196,7 +203,8 @@ def write_progress(progress: Progress, file: Path) -> None:
     """
     content = msgspec.json.encode(progress)
     if len(content) > MOST:
-        raise InputError(f"{file}: {len(content):,} bytes, expected at most {MOST:,}: too much")
+        size = f"{len(content) / 2**20:.1f} MB"
+        raise InputError(f"{file}: expected at most {MOST >> 20} MB, got {size}")
     try:
         replace(file, content)
     except OSError as error:

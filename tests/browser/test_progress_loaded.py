@@ -84,7 +84,9 @@ def test_what_is_loaded_is_added_or_refused_as_a_whole(
 
         before, first = kept(), {OTHER: {"files": {"driver.py": "x"}}}
         for content, said in (
-            ("", "it is no JSON"), ("[" * 100_000, "Nothing was loaded"), ("[]", "an object"),
+            ("", "is empty"), ("[" * 100_000, "begins with “[[["), ("[]", "begins with “[]”"),
+            ('{"a": 1, "b"', "p.json: nothing was loaded: expected course-progress.json"),
+            (json.dumps(doc({}))[:-1], "cut on its way"),
             ({**doc({}), "version": 2}, "version: expected 1;"), (doc({SLUG: []}), "an object"),
             (doc(first | {SLUG: {"files": {FILE: 5}}}), f"{SLUG}, {FILE}: expected a text"),
             (doc(first | {SLUG: {"text": ""}}), "expected only files, versions"),
@@ -92,7 +94,7 @@ def test_what_is_loaded_is_added_or_refused_as_a_whole(
             (doc({SLUG: {"green": version("x", at="2026-13-01T00:00:00Z")}}), "expected a date"),
             (doc({SLUG: {"race": {"w": {**BEST, "track": {"t": ["x"]}}}}}), "at most 2000 numbers"),
             (doc({SLUG: {"scenarios": {"__proto__.toml": OWN}}}), "names such as"),
-            (" " * (2**24 + 1), "at most 16777216 bytes"),
+            (" " * (2**24 + 1), "at most 16 MB; it has 16.0 MB"),
         ):  # fmt: skip
             assert said in say(content), content
         assert (kept(), kept(OTHER)) == (before, None)

@@ -104,7 +104,7 @@ def test_another_form_is_refused_and_nothing_written(
     if isinstance(doc, dict) and SLUG in doc["exercises"]:
         doc["exercises"] = {"three_nodes": {"files": {"guard.py": "x"}}, **doc["exercises"]}
     assert progress(doc) == 2
-    assert "p.json: expected a" in capsys.readouterr().err
+    assert "p.json: expected a file that the page's *Progress* or" in capsys.readouterr().err
     assert [each.name for each in here.iterdir()] == ["p.json"]
 
 
@@ -118,7 +118,13 @@ def test_what_is_no_work_is_not_saved(here: Path, capsys: pytest.CaptureFixture[
     said = capsys.readouterr().out
     assert said.count("left out:") == 2
     assert "work in three_nodes\n" in said
+    assert "p.json is new: earlier versions are in the file that the page has saved" in said
     works = json.loads(Path("p.json").read_text())["exercises"]
     assert works["three_nodes"]["files"]["guard.py"] == "one = 1\n"
+    capsys.readouterr()
+    assert progress("no progress", "--export") == 2
+    assert "got one that begins with “no progress”; choose another" in capsys.readouterr().err
+    assert progress(json.dumps(saved())[:-1]) == 2
+    assert "; save it again where it was made" in capsys.readouterr().err
     assert progress("no progress", "--export") == 2
     assert Path("p.json").read_text() == "no progress"

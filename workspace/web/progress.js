@@ -1,9 +1,9 @@
 // Progress as one file: what was written in each exercise, its versions, own scenarios. `course progress` takes and makes
-// the same (grader/grading/progress.py). A file may come from anywhere: all of it is read strictly before anything is kept.
+// the same (grader/cli/progress.py). A file may come from anywhere: all of it is read strictly before anything is kept.
 
 import { el } from './element.js';
 import { alsoKeep } from './keep.js';
-import { KEPT, OWN, freeName, isBetter, joined, keptOf, keyOf, split } from './shelf.js';
+import { KEPT, OWN, freeName, isBetter, joined, keptOf, keyOf, marks, split } from './shelf.js';
 import { button } from './workspace.js';
 
 const NAME = 'course-progress.json';
@@ -15,7 +15,7 @@ const FULL = 'the browser has no room for it. What was here is as it was.';
 
 /** Why nothing was loaded. */
 class Wrong extends Error {
-  constructor(why) { super(`Nothing was loaded: ${why}`); }
+  constructor(why) { super(`nothing was loaded: ${why}`); }
 }
 
 function must(holds, where, expected) {
@@ -71,10 +71,15 @@ function raceOf(value, where) {
 /** Return what a file's text holds: its date, the work in each exercise, and what is `odd`: no exercise's. */
 function read(content, exercises) {
   let all;
-  try { all = JSON.parse(content); } catch { throw new Wrong('it is no JSON.'); }
-  const { format, version, at, exercises: found } = Object.fromEntries(entries(all, 'the file', ['format', 'version', 'at', 'exercises']));
-  must(format === FORMAT, 'format', `“${FORMAT}”`);
-  must(version === 1, 'version', '1; a newer course may have saved it');
+  try { all = JSON.parse(content); } catch { /* said below */ }
+  if (all?.format !== FORMAT) {
+    const start = content.trim().slice(0, 30);
+    throw new Wrong(`expected ${NAME}, as Save to a file makes it; ${content.includes(`"${FORMAT}"`)
+      ? 'this file was changed or cut on its way. Save it again where it was made.'
+      : `this file ${start ? `begins with “${start}”` : 'is empty'}. Choose another.`}`);
+  }
+  const { version, at, exercises: found } = Object.fromEntries(entries(all, 'the file', ['format', 'version', 'at', 'exercises']));
+  must(version === 1, 'version', '1; a newer course may have saved it, so load it there');
   const [works, odd] = [new Map(), new Set()];
   for (const [slug, value] of entries(found, 'exercises', null)) {
     const work = Object.fromEntries(entries(value, slug, ['files', 'versions', 'green', 'scenarios', 'race']));
@@ -110,7 +115,7 @@ function merged(mine, came, { skeleton, unit }, from) {
   const versions = new Map(); // by their texts
   for (const each of all) {
     const other = versions.get(each.text);
-    if (!other || (!/^\d/.test(other.points) && /^\d/.test(each.points))) versions.set(each.text, each); // one with a result says more
+    versions.set(each.text, other ? { ...other, points: marks(other.points, each.points) } : each);
   }
   const [green] = [mine.green, came.green].filter(Boolean).sort(newest);
   const scenarios = { ...mine.scenarios };
@@ -209,7 +214,7 @@ export function progressDialog(workspace, exercises) {
     const [file] = target.files;
     if (!file) return;
     try {
-      must(file.size <= MOST, 'the file', `at most ${MOST} bytes`);
+      must(file.size <= MOST, 'the file', `at most ${MOST / 2 ** 20} MB; it has ${(file.size / 2 ** 20).toFixed(1)} MB and is perhaps another`);
       const content = new TextDecoder('utf-8', { fatal: true }).decode(await file.arrayBuffer());
       must(workspace.shelf.works, 'this browser', 'one that keeps something for this site');
       if (/\.toml$/i.test(file.name)) tell(...bringScenario(file.name, content, workspace));
@@ -218,7 +223,7 @@ export function progressDialog(workspace, exercises) {
         workspace.takeKept();
       }
     } catch (error) {
-      tell(error instanceof Wrong ? error.message : 'Nothing was loaded: the file can’t be read as text.');
+      tell(`${file.name}: ${error instanceof Wrong ? error.message : `nothing was loaded: expected ${NAME}, and this file is no text. Choose another.`}`);
     }
     target.value = ''; // the same file can be chosen again
   };

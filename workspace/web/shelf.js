@@ -2,7 +2,7 @@
 
 import { el } from './element.js';
 
-export const KEPT = 20; // versions; in grader/grading/progress.py, too
+export const KEPT = 20; // versions; in grader/cli/progress.py, too
 export const OWN = 50; // scenarios of one's own, as well
 const RELOAD = 3000; // [ms] in which a tab that is loaded again is back
 const AROUND = 2; // lines around a change
@@ -42,6 +42,17 @@ export function keptOf(slug) {
 /** Return whether a figure of a race beats another, if there is one. */
 export const isBetter = (figure, other, unit) => Number.isFinite(figure)
   && (!Number.isFinite(other) || (unit === 's' ? figure < other : figure > other));
+
+/** What a version's mark is of. */
+const KINDS = [/^\d+ of \d+$/, /seed \d+/, /^race: /];
+const kindOf = (mark) => KINDS.findIndex((kind) => kind.test(mark));
+
+/** Return the marks of a text, a check's first: of each kind the newer. */
+export function marks(newer, older = '') {
+  const all = [...newer.split('; '), ...older.split('; ')];
+  const found = KINDS.map((_, i) => all.find((mark) => kindOf(mark) === i)).filter(Boolean);
+  return found.length ? found.join('; ').slice(0, 100) : newer;
+}
 
 /** Return a scenario's file name that is none of these yet. */
 export function freeName(scenarios, name) {
@@ -102,8 +113,10 @@ export class Shelf {
 
   get versions() { return Array.isArray(this.kept.versions) ? this.kept.versions : []; }
 
+  /** Keep a version; what a check, one with a seed and a race have said of the same text stands side by side. */
   add(text, points, green = false) {
-    const version = { text, points, at: new Date().toISOString() };
+    const before = this.versions.find((other) => other.text === text);
+    const version = { text, points: marks(points, before?.points), at: new Date().toISOString() };
     const others = this.versions.filter((other) => other.text !== text);
     this.kept.versions = [version, ...others].slice(0, KEPT);
     if (green) this.kept.green = version; // the last one that passed all checks
