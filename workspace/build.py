@@ -56,10 +56,10 @@ COURSE = re.compile(
     r"|workspace/(knobs|runtime|stacks)"
     r"|grader/(?!authoring|classroom|drive/(search/|standings)|lms"
     r"|nbgrader|notebook|testing|models/expert|trial/real_time|course/(skeletons|begin|generated)"
-    r"|grading/(attempts|handed_in|progress|withheld)|cli/(batch|waiting)"
+    r"|grading/(attempts|handed_in|onward|progress|trying|withheld)|cli/(batch|progress|waiting)"
     r")"
     r"|rclpy_virtual_time/(?!testing|conform|tests|setup"
-    r"|link/(doctor|domains|host_process|hosts|locks|pipes|shared_memory)\."
+    r"|link/(doctor|domains|host_process|hosts|live_hosts|locks|pipes|shared_memory|trouble)\."
     r"|host/(sandbox/(?!amounts|__init__)|real_time/|testing/))"
 )
 PAGE_PACKAGES = "workspace/page_packages"  # there, in the page, beside runtime.py

@@ -11,14 +11,14 @@ import pytest
 
 from grader.course.exercises import Exercise
 from grader.course.submission import LAUNCH
-from grader.drive.race import unit_of
+from grader.drive.race import rules_of, unit_of
 from grader.errors import GraderError
 from grader.exercises import contract_of
 from grader.grading.grading import UNUSED_PLUGINS, grade
 from grader.grading.plugin import UNAVAILABLE
 from grader.trial.page import PageTrials
 from sim.messages import typestore
-from sim.scenario_files import load_scenario
+from sim.scenario_files import load_scenario, scenario_names
 
 
 class _Marks:
@@ -85,6 +85,8 @@ def plan(exercise: Exercise) -> dict[str, Any]:
     threaded = {each.name for each in scenarios if each.program or _is_threaded(exercise)}
     for check in checks:  # whether it is judged also where a page has no threads
         check["alone"] = check["scenarios"] != [] and threaded.isdisjoint(check["scenarios"])
+    known = [name for name, path in scenario_names().items() if exercise.judge in path.parents]
+    of_field = [name for name in known if "_field" in name and not trials.lacks([name], ())]
     return {
         "number": exercise.number,
         "slug": exercise.slug,
@@ -93,8 +95,10 @@ def plan(exercise: Exercise) -> dict[str, Any]:
         "points": exercise.max_points,
         "checks": checks,
         "scenarios": {each.name: each.title for each in scenarios},
+        "field": {name: load_scenario(name).title for name in of_field},
         "race": {name: load_scenario(name).title for name in contract_of(exercise).race},
         "unit": unit_of(exercise),  # of the race's figures
+        "rules": rules_of(exercise),
         "here": sum(check["points"] for check in checks if check["scenarios"]),  # points in a page
         "alone": sum(check["points"] for check in checks if check["alone"]),  # without threads
     }

@@ -151,8 +151,9 @@ class Runtime:
         perhaps a `seed` and a `lead` [ns], whether to `interrupt`, and whether to `tell`: to do as
         `course drive` does, and say what that prints; and what a person does meanwhile, `deeds`
         (`grader.drive.by_hand`): the file of the scenario with them is kept, too. With moments to
-        `look` into [s] the answer has their `tables`. `{"lead": …}` in the answer: the same again
-        in a fresh copy, with this lead and what has been kept.
+        `look` into [s] the answer has their `tables`. Of an `exercise` it is printed whether the
+        least is kept that it asks for in any world. `{"lead": …}` in the answer: the same again in
+        a fresh copy, with this lead and what has been kept.
         """
         from grader.drive import scenario_for, tables_of
         from grader.trial.seeds import mixed_seed, trial_seed
@@ -190,6 +191,8 @@ class Runtime:
             told["tables"] = tables_of(recording, wanted["look"])
         elif tells:
             told = {"printed": _summary(recording, submission), "hand": self._knobs.of(recording)}
+            if "exercise" in wanted:
+                told["printed"] += _least(recording, wanted["exercise"])
         return json.dumps({**told, **self._kept(recording)})
 
     def _read(self, file: Path, others: list[str]) -> Submission | None:
@@ -289,17 +292,29 @@ class Runtime:
         return page_html(embedded_payload(checks, shown, wanted["title"], ghosts))
 
     def race(self, order: str) -> str:
-        """Return the lap and the track (`grader.drive.race`) of each recording of `scenarios`."""
+        """Return the lap and the track (`grader.drive.race`) of each recording of `scenarios`.
+
+        And where it loses to those `beside`: for each scenario laps and tracks, by whose they are.
+        """
         import msgspec
 
         from grader.course.exercises import find_exercise
-        from grader.drive.race import lap_of, track_of
+        from grader.drive.race import lap_of, loss_to, track_of
         from grader.exercises import contract_of
 
         wanted = json.loads(order)
         contract = contract_of(find_exercise(wanted["exercise"]))
-        driven = [self._load(name)[0] for name in wanted["scenarios"]]
-        return msgspec.json.encode([[lap_of(r, contract), track_of(r)] for r in driven]).decode()
+        told = []
+        for scenario, beside in zip(wanted["scenarios"], wanted["beside"], strict=True):
+            recording, _ = self._load(scenario)
+            lap = lap_of(recording, contract)
+            lost = [
+                loss_to(whose, other["track"], recording, contract)
+                for whose, other in beside.items()
+                if other["lap"]["of"] == lap.of and lap.figure is not None
+            ]
+            told.append([lap, track_of(recording), lost])
+        return msgspec.json.encode(told).decode()
 
     def _grading(self, wanted: dict[str, Any]) -> Grading:
         from grader.course.exercises import find_exercise
@@ -351,6 +366,24 @@ def _summary(recording: Recording, submission: Submission) -> str:
     with contextlib.redirect_stdout(io.StringIO()) as said:
         print_summary(_unmeasured(recording), file=submission.path.name)
     return said.getvalue()
+
+
+def _least(recording: Recording, exercise: str) -> str:
+    """Return whether a drive keeps the least that an exercise asks for in any world."""
+    from grader.course.exercises import find_exercise
+    from grader.drive.mishaps import mishap_of
+    from grader.errors import InputError
+    from grader.exercises import contract_of
+
+    if recording.scenario.bench:
+        return "Single scans: whether the answers to them are right is not judged in a drive.\n"
+    try:
+        mishap = mishap_of(recording, contract_of(find_exercise(exercise)))
+    except InputError as error:
+        return f"{error}\n"
+    what = "no touch, no death, no command beyond its limits, no standing where the way is free"
+    kept = f"not kept: at {mishap.at:.1f} s {mishap.text}" if mishap else "kept"
+    return f"In a world of your own only the exercise's least is judged ({what}): {kept}.\n"
 
 
 def _callback_line(frame: FrameType | None, files: Collection[str]) -> tuple[str, int]:

@@ -29,7 +29,7 @@ from sim.clearance import FARTHEST
 from sim.scenario_files import tables_of
 
 ARRIVED = 0.5  # [m] from a goal, as the contract says it
-MOSTLY, LEAST = 0.9, 0.1  # of a loss: the part whose span is said, and the least that is [s], [m]
+MOSTLY, LEAST = 0.6, 0.1  # of a loss: the part whose span is said, and the least that is [s], [m]
 EVERY = 10  # samples of the truth, which are 20 ms apart: a track has 5 Hz
 MOST_SAID = 100  # [characters] of why a race was not finished
 GHOSTS = Path(__file__).with_name("ghosts.json")  # made by grader.authoring.ghosts
@@ -140,7 +140,7 @@ def loss_to(name: str, other: Track, recording: Recording, contract: Contract) -
         return ""
     spans = np.where(gains >= MOSTLY * most, at - at[:, np.newaxis], np.inf)
     first, last = np.unravel_index(spans.argmin(), spans.shape)
-    lost = f"{gains[first, last]:.1f} {unit} to {name}"
+    lost = f"{gains[first, last]:.1f} of {most:.1f} {unit} to {name}"
     return f"from {at[first]:.1f} to {at[last]:.1f} s it loses {lost}"
 
 

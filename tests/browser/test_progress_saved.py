@@ -70,7 +70,7 @@ def test_work_goes_from_page_to_course_to_page(
     other.locator(".ws-progress").get_by_role("button", name="Close").tap()
     assert typed(other).strip() == "changed = 1"
     points = [each["points"] for each in other.evaluate(SHELF.format(SLUG))["versions"]]
-    assert points == ["100 of 100 in the worlds of seed 3"]
+    assert points == ["seed 3: 100 of 100"]
     other.get_by_label("Scenario", exact=True).select_option("mine.toml")
     other.get_by_role("button", name="Drive").click()
     assert settle(other).startswith("mine ended early")
@@ -78,6 +78,8 @@ def test_work_goes_from_page_to_course_to_page(
     other.get_by_label("Earlier versions").select_option("0")
     other.get_by_role("button", name="Drive").click()
     assert settle(other) == "Driven to the end of mine."
+    printed = other.get_by_label("The drive").text_content()
+    assert "In a world of your own only the exercise's least is judged" in printed
     other.locator(".ws-hand summary").click()
     other.get_by_label("x [m]").fill("3")
     other.get_by_role("button", name="Put a box there").click()  # a tap's click comes later

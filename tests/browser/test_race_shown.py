@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -53,10 +54,12 @@ def test_a_result_is_saved_by_nickname_and_read_by_the_command(
     assert cells(page, "yours") == cells(page, "reference") != []
     assert cells(page, "your best") == []
     assert axe(page) == []
+    assert "Ranked by the worlds finished" in page.locator(".ws-score").inner_text()
     page.get_by_label("Nickname").press("Enter")  # nothing is saved without one
     page.get_by_label("Nickname").fill("Ada L.")
     with page.expect_download() as download:
         page.get_by_label("Nickname").press("Enter")
+    assert page.locator(".ws-status").inner_text().endswith("by the nickname “Ada L.”.")
     result = read_result(download.value.path())
     assert (result.exercise, result.nickname) == ("goal_seeking", "Ada L.")
     shipped = reference_laps("goal_seeking")
@@ -85,6 +88,11 @@ def test_ones_own_best_drives_along_and_is_kept(
     assert said[0] != said[1]  # they are somewhere else then
     assert frame.locator(".ghost").all_text_contents() == ["reference", "your best"]
     assert "Outlines show other runs" in frame.locator(".event-start").first.text_content()
+    slower = faster.replace("FULL_SPEED = 0.5", "FULL_SPEED = 0.4")
+    raced(page, slower)
+    lost = r"From .* s it loses .* m to your best\."
+    assert re.search(lost, page.locator(".ws-race").inner_text())
+    assert "race: 3 of 3, " in page.get_by_label("Earlier versions").inner_text()
     page.reload()
     page.locator(".cm-content:visible").wait_for()
     settle(page)

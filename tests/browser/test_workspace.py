@@ -448,10 +448,26 @@ def test_a_check_with_a_seed_is_of_other_worlds_and_one_can_be_kept(open_workspa
     assert check(page, narrow).endswith("of 100 points in the worlds of seed 7.")
     with page.expect_download() as download:
         page.get_by_role("button", name="Keep this world").first.click()
-    name, _, seed = download.value.suggested_filename.removesuffix(".toml").rpartition("_")
+    name, _, failed = download.value.suggested_filename.removesuffix(".toml").partition("_seed7_")
+    assert page.locator(f"[data-check={failed}][data-outcome=fail]").is_visible()
     kept, own = load_scenario(download.value.path()), load_scenario(name)
-    assert kept.trial_seed == int(seed) == trial_seed(own, 7) != own.seed
-    assert Simulation(kept).scenario.bench == Simulation(own, int(seed)).scenario.bench
+    seed = trial_seed(own, 7)
+    assert kept.trial_seed == seed != own.seed
+    assert Simulation(kept).scenario.bench == Simulation(own, seed).scenario.bench
+    assert "avoid_field_turned" in page.locator(".ws-score").inner_text()
+    page.get_by_label("seed", exact=True).fill("")
+    score = check(page, narrow).partition(" points")[0]
+    assert page.locator(".cm-activeLine .cm-lintRange-error").count() == 1
+    versions = page.get_by_label("Earlier versions")
+    assert f": {score}; seed 7: " in versions.inner_text()
+    versions.press("ArrowDown")  # opens the list, and takes none
+    assert page.locator(".ws-status").inner_text() == f"{score} points."
+    page.keyboard.press("Escape")
+    choose = page.get_by_label("Scenario", exact=True)
+    choose.select_option(f"{name}_seed7_{failed}.toml")
+    page.get_by_role("button", name="Drive", exact=True).click()
+    settle(page)
+    assert "Single scans: whether" in page.get_by_label("The drive").inner_text()
 
 
 def test_what_is_typed_during_a_check_is_not_checked(open_workspace: Any) -> None:

@@ -76,7 +76,7 @@ def graded(page: runtime.Runtime, order: dict[str, object], scenarios: list[str]
         while "lead" in outcome:
             outcome = json.loads(forked(page.trial, **trial, **outcome))
     call = page.race if races else page.judge
-    return forked(call, exercise=order["exercise"], file=order["file"], scenarios=scenarios)
+    return forked(call, **order)
 
 
 def driven(page: runtime.Runtime, order: dict[str, object]) -> str:

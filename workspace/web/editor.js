@@ -72,7 +72,8 @@ export function makeEditor({ parent, text, label, onChange, words }) {
       const { from: start, to, text: code } = view.state.doc.line(line);
       const from = start + code.search(/\S|$/);
       view.dispatch(setDiagnostics(view.state, [...wrong, { from, to, severity, message }]));
-      view.dispatch({ effects: EditorView.scrollIntoView(from, { y: 'center' }) });
+      const wants = severity === 'error' ? { selection: { anchor: from } } : {}; // a look elsewhere leaves the cursor
+      view.dispatch({ ...wants, effects: EditorView.scrollIntoView(from, { y: 'center' }) });
     },
     focus() { view.focus(); },
   };

@@ -42,12 +42,13 @@ export class Exercise extends Workspace {
     super({
       what: 'exercise', skeletons: plan.skeleton, origin: 'the skeleton', shelf: plan.slug, words, threads: !whole.alone,
     }, machine);
-    this.plan = plan;
+    Object.assign(this, { plan, exercises });
     this.recordings = {}; // of the last check, by their files
     this.rows = {};
     this.own = el('optgroup', { label: 'Your own' });
     this.scenario = el('select', { id: 'ws-scenario', 'aria-label': 'Scenario' },
       el('optgroup', { label: 'Scenarios of the checks' }, options(plan.scenarios)),
+      Object.keys(plan.field).length ? el('optgroup', { label: 'Other sensors and networks' }, options(plan.field)) : '',
       el('optgroup', { label: 'To try things' }, options(demos)));
     this.seed = el('input', {
       id: 'ws-seed', type: 'number', min: 0, max: 1000000, placeholder: 'seed', 'aria-label': 'seed', title: 'For other worlds: a number, such as 7',
@@ -68,7 +69,7 @@ export class Exercise extends Workspace {
         button('Check', () => this.check(), { title: 'Ctrl-Shift-Enter; with a seed, in other worlds', class: 'ws-main' }),
       ],
       fileTools: [button('Task', () => this.showTask(), { title: 'What is to be done' }), this.changesButton],
-      more: button('Progress', () => this.openProgress(exercises), { title: 'Save all exercises to a file, or load one' }),
+      more: button('Progress', () => this.openProgress(), { title: 'Save all exercises to a file, or load one' }),
       result: [this.score, el('div', { class: 'ws-more' }, raced, this.ways), el('ol', { class: 'ws-list' }, plan.checks.map((check) => this.row(check)))],
       names: ['Code', 'Replay', 'Checks'],
       empty: 'Drive the node, or check it: its run is shown here.',
@@ -107,13 +108,13 @@ export class Exercise extends Workspace {
     this.hand.begin(`${scenario} ${this.seed.value}`);
     return this.work(async () => {
       const hand = await this.machine.ready();
-      const isOwn = !this.names[1] || base in this.plan.scenarios; // and names its programs
+      const isOwn = !this.names[1] || base in this.plan.scenarios || base in this.plan.field; // and names its programs
       const file = isOwn ? this.names[0] : this.file;
       this.ran = file;
       hand.doing = isOwn ? `Driving in ${scenario}` : `Driving ${file} in ${scenario}`;
       this.say(`${hand.doing} …`);
       const { text } = this;
-      const place = own ? { scenario: `${FOLDER}/${scenario}`, own: { [scenario]: own } } : {};
+      const place = own ? { exercise: this.plan.slug, scenario: `${FOLDER}/${scenario}`, own: { [scenario]: own } } : {};
       const [ended, recordings] = await this.trial(hand, scenario, text, { file, tell: true, ...seed, ...this.hand.order, ...place });
       if (!ended.scenario) return ended.printed; // one's own, and none
       if (this.judged !== text) Object.values(this.rows).forEach(({ fill }) => fill(null)); // of another text
@@ -139,15 +140,36 @@ export class Exercise extends Workspace {
       await this.driveAll(text, seed);
       this.say('Judging …');
       const grading = await this.judge(await this.machine.ready());
+      this.chosen = seed.seed;
       this.worlds = where && Object.fromEntries(grading.recordings.map((each) => [each.scenario, each.seed]));
       this.fill(grading, this.plan.checks.map(({ id }) => id));
       const passed = !where && grading.checks.every(({ outcome }) => GREEN.includes(outcome));
-      this.shelf.add(text, `${grading.score} of ${grading.max_score}${where}`, passed);
+      const mark = `${grading.score} of ${grading.max_score}`;
+      this.shelf.add(text, where ? `seed ${seed.seed}: ${mark}` : mark, passed);
       this.listVersions();
       this.speakOf(text);
       await this.tell(grading);
+      if (where) this.score.append(el('p', { class: 'ws-note' }, this.whatSeedsChange()));
+      else if (passed) this.score.append(el('p', {}, this.onward()));
       return `${grading.score} of ${grading.max_score} points${where}.`;
     });
+  }
+
+  /** Return what another seed is, and is not. */
+  whatSeedsChange() {
+    const names = Object.keys(this.plan.field).join(', ');
+    return 'A seed moves the start, what stands around and single readings, and draws other noise. The lidar, the carts and the network stay: '
+      + `a node that counts beams may pass with every seed.${names && ` Other sensors and networks are in the list of scenarios: ${names}.`} `
+      + 'In Versions this mark stands beside the one without a seed.';
+  }
+
+  /** Return what there is after full marks. */
+  onward() {
+    const { number, ways, race, field } = this.plan;
+    const next = Object.values(this.exercises).find((each) => each.number === number + 1);
+    const here = [ways && 'Others’ ways', Object.keys(race).length && 'a Race', 'other worlds by a number in seed',
+      Object.keys(field).length && 'other sensors in the list of scenarios'].filter(Boolean).join(', ');
+    return [next ? el('a', { href: `../${next.slug}/README.html#workspace` }, `Next: ${next.number}. ${next.title}`) : 'This was the last exercise', `. Here, too: ${here}.`];
   }
 
   /** Drive in all scenarios of the checks; on a slow machine judge what can be judged meanwhile. */
@@ -261,23 +283,25 @@ export class Exercise extends Workspace {
       result.log ? el('pre', {}, result.log) : null,
       el('div', { class: 'ws-tools' },
         seen ? button(result.time === null ? 'Show' : `Show ${result.time.toFixed(2)} s`, () => this.look(result)) : null,
-        seen && this.worlds ? button('Keep this world', () => this.keepWorld(result.scenario)) : null,
+        seen && this.worlds ? button('Keep this world', () => this.keepWorld(result)) : null,
         result.outcome === 'fail' && result.task ? button('A hint', (event) => this.hint(result, told, event.currentTarget)) : null),
       told,
     ].filter(Boolean);
   }
 
   /** Save a world in which a check failed as a scenario of one's own. */
-  keepWorld(scenario) {
-    const seed = this.worlds[scenario];
-    const title = JSON.stringify(`${this.plan.scenarios[scenario]}, with seed ${seed}`);
-    this.keepScenario(`${scenario}_${seed}.toml`, `title = ${title}\nextends = "${scenario}"\ntrial_seed = ${seed}\n`);
+  keepWorld({ scenario, id }) {
+    const title = JSON.stringify(`${this.plan.scenarios[scenario]}, where ${id} failed with seed ${this.chosen}`);
+    this.keepScenario(`${scenario}_seed${this.chosen}_${id}.toml`,
+      `title = ${title}\nextends = "${scenario}"\ntrial_seed = ${this.worlds[scenario]}\n`);
   }
 
   keepScenario(name, content) {
     const file = this.shelf.addScenario(name, content);
     this.listVersions();
-    return super.keepScenario(file, content);
+    super.keepScenario(file, content);
+    this.say(`Saved: ${file}, also below Your own in the list. Drive says whether the exercise’s least is kept there; Check does not go there.`);
+    return file;
   }
 
   look(result) {
@@ -341,8 +365,8 @@ export class Exercise extends Workspace {
   }
 
   /** Save or load the progress in all exercises. */
-  async openProgress(exercises) {
-    this.progress ??= await import(new URL('progress.js', import.meta.url)).then(({ progressDialog }) => progressDialog(this, exercises)).catch(() => null);
+  async openProgress() {
+    this.progress ??= await import(new URL('progress.js', import.meta.url)).then(({ progressDialog }) => progressDialog(this, this.exercises)).catch(() => null);
     if (this.progress) this.progress.showModal();
     else this.say('The server did not send what saves your progress. Reload the page.');
   }

@@ -11,6 +11,8 @@ const GOAL = '/goal_pose';
 const NEEDS = { e_stop: '/e_stop', covers: '/scan', box: '/scan', goal: GOAL }; // what a node has to hear
 const NO_STACKS = 'To turn its knobs, a page needs JSPI (WebAssembly.Suspending), which this browser hasn’t.';
 
+const WORDS = 'to ROS “nan” and “inf” are texts; as numbers they are written .nan and .inf';
+
 const place = ([x, y]) => `(${x.toFixed(2)}, ${y.toFixed(2)})`;
 const bare = (node) => node.replace(/^\//, '');
 
@@ -167,7 +169,8 @@ export class Hand {
 
   saidTo(deed) {
     const told = this.done.find((each) => this.isOf(each, deed));
-    return told && (told.said || (deed.sets ? 'no answer' : ''));
+    const isWord = /:=[+-]?(nan|inf)$/i.test(deed.sets) && / type/.test(told?.said);
+    return told && (`${told.said}${isWord ? ` (${WORDS})` : ''}` || (deed.sets ? 'no answer' : ''));
   }
 
   // --- what is done

@@ -37,8 +37,8 @@ async function beExercise(block) {
   }
   const [{ plan, machine }, { Exercise }] = all;
   const exercise = plan.exercises[block.dataset.exercise];
-  const demos = Object.entries(plan.demos).filter(([name]) => hasStacks || !plan.drives.several.includes(name));
-  const workspace = new Exercise(exercise, { ...exercise.words, ...plan.methods }, Object.fromEntries(demos), machine, plan.exercises);
+  const fit = (all) => Object.fromEntries(Object.entries(all).filter(([name]) => hasStacks || !plan.drives.several.includes(name)));
+  const workspace = new Exercise({ ...exercise, field: fit(exercise.field) }, { ...exercise.words, ...plan.methods }, fit(plan.demos), machine, plan.exercises);
   words.textContent = 'Write the node here, drive it and have it checked, in this browser: nothing is installed, and '
     + `nothing leaves this machine. The first visit fetches 12 MB. ${runsHere(exercise)}`;
   block.querySelector('.workspace-open').replaceChildren(

@@ -14,7 +14,7 @@ const WHAT = {
   m: 'The way driven in the world’s time: more is better.',
 };
 const MORE = 'Nearest and median: the distance kept to whatever is near. Accel. and turning: how strongly it speeds up, brakes and turns '
-  + '(root mean square). A touch or a broken limit is no finish. No marks hang on it.';
+  + '(root mean square). No marks hang on it.';
 
 /** Return the references' laps and tracks of an exercise, by the world; none where the server does not answer. */
 async function references(slug) {
@@ -24,12 +24,13 @@ async function references(slug) {
   return (await answer.json())[slug] ?? {};
 }
 
-/** Return what was kept of a world, if it is whole and of this very world. */
-function whole(kept, { of }) {
+/** Return what was kept of a world, if it is whole. */
+function whole(kept) {
   const { lap, track } = kept ?? {};
   const columns = ['t', 'x', 'y', 'yaw'].map((name) => track?.[name]);
-  const isTrack = columns.every((each) => Array.isArray(each) && each.length <= LONG && each.every(Number.isFinite));
-  if (!isTrack || lap?.of !== of || !Number.isFinite(lap.figure)) return null;
+  const isTrack = columns.every((each) => Array.isArray(each) && each.length <= LONG && each.length > 1
+    && each.length === columns[0].length && each.every(Number.isFinite));
+  if (!isTrack || !Number.isFinite(lap?.figure)) return null;
   return { lap, track: { t: columns[0], x: columns[1], y: columns[2], yaw: columns[3] } };
 }
 
@@ -46,23 +47,31 @@ export async function race(workspace) {
     Object.assign(recordings, (await workspace.trial(hand, world, text, { tell: true }))[1]);
     return true;
   });
-  const [driven] = await machine.call('race', { exercise: plan.slug, scenarios: worlds }, { recordings });
   const reference = await references(plan.slug);
-  const rows = driven.map(([lap]) => ({
-    lap, best: whole(shelf.bests[lap.world], lap), reference: whole(reference[lap.world], lap),
-  }));
-  const ghosts = Object.fromEntries(rows.map(({ lap, ...others }) => [lap.world, Object.entries(others)
-    .filter(([, ghost]) => ghost).map(([who, { track }]) => [who === 'best' ? 'your best' : who, track]).reverse()]));
+  const beside = worlds.map((world) => Object.fromEntries(Object.entries({ 'the reference': whole(reference[world]), 'your best': whole(shelf.bests[world]) })
+    .filter(([, other]) => other)));
+  const [driven] = await machine.call('race', { exercise: plan.slug, scenarios: worlds, beside }, { recordings });
+  const rows = driven.map(([lap, , lost], i) => {
+    const [theirs, best] = ['the reference', 'your best'].map((whose) => (beside[i][whose]?.lap.of === lap.of ? beside[i][whose] : null));
+    return { lap, lost: lost.filter(Boolean), best, reference: theirs };
+  });
+  const ghosts = Object.fromEntries(rows.map((row) => [row.lap.world, [['reference', row.reference], ['your best', row.best]]
+    .filter(([, ghost]) => ghost).map(([whose, { track }]) => [whose, track])]));
   for (const [i, { lap, best }] of rows.entries()) {
     if (isBetter(lap.figure, best?.lap.figure, plan.unit)) shelf.keepBest(lap.world, { lap, track: driven[i][1] });
   }
   if (workspace.judged !== text) Object.values(workspace.rows).forEach(({ fill }) => fill(null)); // of another text
   workspace.speakOf(text);
-  workspace.score.replaceChildren(table(rows, plan), el('p', { class: 'ws-note' }, `${WHAT[plan.unit]} ${MORE}`), form(workspace, rows));
+  const finished = rows.map(({ lap }) => lap.figure).filter((figure) => figure !== null);
+  const sum = finished.reduce((all, figure) => all + figure, 0);
+  shelf.add(text, `race: ${finished.length} of ${rows.length}, ${sum.toFixed(2)} ${plan.unit}`);
+  workspace.listVersions();
+  workspace.score.replaceChildren(table(rows, plan), el('p', { class: 'ws-note' }, `${WHAT[plan.unit]} ${plan.rules} ${MORE}`),
+    finished.length ? form(workspace, rows, finished) : el('p', {}, 'No world was finished, so there is no result to save.'));
   await workspace.play(worlds, [], recordings, plan.title, { play: true }, ghosts);
   workspace.show('result');
   workspace.score.parentElement.scrollTop = 0;
-  return `Race: ${rows.filter(({ lap }) => lap.figure !== null).length} of ${rows.length} worlds finished.`;
+  return `Race: ${finished.length} of ${rows.length} worlds finished.`;
 }
 
 function table(rows, { race: titles, unit }) {
@@ -73,20 +82,22 @@ function table(rows, { race: titles, unit }) {
       : [lap.figure, ...Object.keys(COLUMNS).map((name) => lap[name])].map((figure) => el('td', {}, shown(figure))));
   return el('div', { class: 'ws-race', role: 'region', 'aria-label': 'The race', tabindex: 0 }, el('table', {},
     el('thead', {}, el('tr', {}, el('th', { scope: 'col' }, 'world'), heads.map((head) => el('th', { scope: 'col' }, head)))),
-    rows.map(({ lap, best, reference }) => el('tbody', {},
+    rows.map(({ lap, lost, best, reference }) => el('tbody', {},
       el('tr', {}, el('th', { scope: 'rowgroup', colspan: heads.length + 1 }, titles[lap.world])),
-      row('yours', lap), row('your best', best?.lap), row('reference', reference?.lap)))));
+      row('yours', lap), row('your best', best?.lap), row('reference', reference?.lap),
+      lost.map((said) => el('tr', {}, el('td', { colspan: heads.length + 1 }, `${said[0].toUpperCase()}${said.slice(1)}.`)))))));
 }
 
 /** Save the result as a file, by a nickname: only if the reader wants to. */
-function form(workspace, rows) {
+function form(workspace, rows, finished) {
   const nickname = el('input', { id: 'ws-nickname', maxlength: SHORT, required: true, autocomplete: 'off', spellcheck: 'false' });
   const save = (event) => {
     event.preventDefault();
     const { slug, course } = workspace.plan;
     const result = { course, exercise: slug, nickname: nickname.value.trim(), laps: rows.map(({ lap }) => lap) };
-    if (result.nickname) workspace.save(`race_${slug}.json`, `${JSON.stringify(result, null, 1)}\n`, 'application/json');
-    else workspace.say('A nickname has something that can be seen.');
+    if (!result.nickname) return workspace.say('A nickname has something that can be seen.');
+    workspace.save(`race_${slug}.json`, `${JSON.stringify(result, null, 1)}\n`, 'application/json');
+    return workspace.say(`Saved: race_${slug}.json, with ${finished.length} of ${rows.length} worlds, by the nickname “${result.nickname}”.`);
   };
   return el('form', { class: 'ws-tools', onsubmit: save }, el('label', { for: 'ws-nickname' }, 'Nickname'), nickname,
     button('Save the result', () => {}, { type: 'submit' }),

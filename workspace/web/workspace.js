@@ -83,7 +83,12 @@ export class Workspace {
     this.warning = el('p', { class: 'ws-question', hidden: true });
     this.question = el('div', { class: 'ws-question', hidden: true, role: 'alert' });
     this.stopButton = button('Stop', () => this.machine.stop(), { hidden: true });
-    this.versions = el('select', { 'aria-label': 'Earlier versions', onchange: () => this.restore() });
+    this.versions = el('select', { 'aria-label': 'Earlier versions', onchange: () => this.restore(),
+      onkeydown: (event) => { // or each arrow would take a version at once
+        if (!/^Arrow/.test(event.key) || !this.versions.showPicker) return;
+        event.preventDefault();
+        this.versions.showPicker();
+      } });
     this.code = el('div', { class: 'ws-code', 'data-pane': 'code' },
       el('p', { class: 'ws-keys' }, KEYS));
     this.fileTabs = this.names.map((name) => button(name, () => this.showFile(name), { 'aria-pressed': 'false' }));

@@ -81,13 +81,14 @@ def test_where_a_drive_loses_is_said_in_the_seconds_of_its_run() -> None:
         return replace(right, truth=truth)
 
     for exercise, world, goal, lost in (
-        (FIRST, "avoid_cart", None, "0.8 m"), (THIRD, "goal_behind", (2.5, 0.0), "3.0 s"),
+        (FIRST, "avoid_cart", None, "of 0.9 m"), (THIRD, "goal_behind", (2.5, 0.0), "3.0 of 3.0 s"),
     ):  # fmt: skip
         slow, contract = drive(halts, world, goal), contract_of(exercise)
         fast = drive(0.3 * t / 1e9, world, goal)
         said = loss_to("the reference", track_of(fast), slow, contract)
-        assert said.endswith(f"it loses {lost} to the reference"), said
-        assert float(said.split()[1]) == pytest.approx(4.0, abs=0.4)
+        assert said.endswith(f"{lost} to the reference"), said
+        since, until = (float(said.split()[i]) for i in (1, 3))
+        assert 3.7 < since < until < 7.3, said
         assert loss_to("the reference", track_of(slow), fast, contract) == ""
 
 
