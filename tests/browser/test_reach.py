@@ -27,6 +27,7 @@ def passing_page() -> dict[str, Any]:
         scenario="bench",
         title="The bench",
         bench=True,
+        outcome={"kind": "exception", "text": "ValueError", "at": 4.0},  # as it should
         duration=90.0,
         truth={key: [0.0] * 4 for key in ("y", "yaw", "v", "w", "clearance", "contact")}
         | {"t": [0.0, 30.0, 60.0, 90.0], "x": [0.0, 15.0, 30.0, 45.0]},

@@ -248,7 +248,7 @@ export class Workspace {
   speakOf(text) {
     this.judged = text;
     this.stale.hidden = text === this.text;
-    this.stale.parentElement.scrollTop = 0;
+    [this.stale.parentElement.scrollTop, this.isNew] = [0, true];
   }
 
   /** Say below the replay if another text made it. */
@@ -269,7 +269,8 @@ export class Workspace {
     const at = document.activeElement;
     this.dialog.dataset.show = name;
     this.tabs.forEach((tab) => tab.setAttribute('aria-pressed', tab.dataset.name === name));
-    if (at.closest('[data-pane]')) focusFirst([at, ...this.tabs.filter((tab) => tab.dataset.name === name)]); // in a narrow window it went
+    if (name === 'result' && this.isNew) [this.stale.parentElement.scrollTop, this.isNew] = [0, false];
+    if (this.dialog.contains(at)) focusFirst([at, ...this.tabs.filter((tab) => tab.dataset.name === name)]); // in a narrow window it went
   }
 
   hear(hand, { kind, text, seconds }) {

@@ -6,7 +6,8 @@ function openingOf(checks, replays, told) {
   if (Number.isFinite(told) && replays.length) {
     return { run: 0, t: clamp(told, 0, replays[0].duration) };
   }
-  return failureOf(checks, replays) || firstMoment(replays) || badEnd(replays)
+  const isWell = checks.length && checks.every(({ outcome }) => ['pass', 'skip', 'unavailable'].includes(outcome));
+  return failureOf(checks, replays) || firstMoment(replays) || (isWell ? null : badEnd(replays)) // an end may be asked for
     || driveOf(replays, checks.length > 0);
 }
 
