@@ -26,7 +26,6 @@ from nbformat import NotebookNode, v4
 
 from grader.course.exercises import ROOT, SOLUTIONS, all_exercises, find_exercise
 from grader.course.generated import CHECK, still_in, write_or_check
-from grader.course.promises import without_promises
 from grader.errors import GraderError
 from grader.nbgrader.cells import Wanted, definition, wanted
 from grader.nbgrader.points import points_of
@@ -42,6 +41,8 @@ SCHEMA = 3  # of nbgrader's metadata
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 PLACE = "from"  # key of a cell's metadata: where its content comes from
 FILLED_IN = "(filled in: {})"  # a note of what comes there
+# In a README: which checks hold a node to the sentence before it; readers don't see it
+PROMISE = re.compile(r"\s*<!-- checks:(.*?)-->", re.DOTALL)
 ANSWER = "Three to six sentences are expected."
 # nbgrader keeps such a part for the grader: students never get it, formgrader shows it
 MARK_SCHEME = """\
@@ -220,7 +221,7 @@ def _contract(slug: str) -> str:
     found = re.search(r"(?ms)^(## .*?)(?=^## How to run it)", readme)
     if found is None:
         raise GraderError(f"exercises/{slug}/README.md: expected a part “How to run it”")
-    return _standing_alone(_deeper(without_promises(found[1])))
+    return _standing_alone(_deeper(PROMISE.sub("", found[1])))
 
 
 def _hints(slug: str) -> str:
