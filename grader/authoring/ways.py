@@ -8,6 +8,7 @@ them out unless it is asked.
 
 from __future__ import annotations
 
+import ast
 import itertools
 import json
 import re
@@ -32,6 +33,7 @@ from grader.recording.costs import costs_of
 
 CLAIM = re.compile(r'\n\n(?:file|field):.*?\n(?=""")', re.DOTALL)  # of a variant, for the proof
 CLOSE = 0.01  # [m]
+FEW, APART = 0.1, 0.02  # of the lines, of a race's figure: less is not told apart
 SAME = 1 / 3  # of a time: less is not told apart, for the machine has other things to do, too
 
 
@@ -51,13 +53,23 @@ def ways_of(exercise: Exercise, servers: ForkServerPool) -> list[dict[str, Any]]
     for way, grading in zip(chosen, graded, strict=True):
         if not grading.whole:
             raise GraderError(f"{way.name}: expected all points, got {grading.score}")
+        laps, unit = _laps(grading, base), unit_of(exercise)
+        driven = sum(lap for _, lap, _ in laps), sum(past for _, _, past in laps)
+        lines, others_lines = len(_code(way)), len(_code(reference))
         said = [
-            f"{_lines(way)} lines of code; the reference has {_lines(reference)}.",
+            _balance(
+                ("lines", lines, others_lines, FEW),
+                ("ms of CPU a message", _cost(grading), _cost(base), SAME),
+                ("s on its ways", *driven, APART if unit == "s" else 1.0),
+                ("field checks", len(_failed(grading)), len(_failed(base)), 0),
+            ),
+            f"{lines} lines of code; the reference has {others_lines}.",
             _time(_cost(grading), _cost(base)),
             _runs(grading, base),
-            *_drives(grading, base),
+            *(f"{name}: {lap:.1f} {unit}; the reference {past:.1f} {unit}."
+              for name, lap, past in laps if abs(lap - past) > APART * past),
             _field(grading),
-        ]
+        ]  # fmt: skip
         files = {name: CLAIM.sub("", text) for name, text in way.files.items()}
         about = way.about.removeprefix("Style: ")
         made.append({"about": about[0].upper() + about[1:], "said": said, "files": files})
@@ -66,14 +78,34 @@ def ways_of(exercise: Exercise, servers: ForkServerPool) -> list[dict[str, Any]]
 
 def _apart(one: Claim, other: Claim) -> float:
     """Return which part of two texts' lines differs."""
-    a, b = ([line for text in each.files.values() for line in text.splitlines() if line.strip()]
-            for each in (one, other))  # fmt: skip
+    a, b = map(_code, (one, other))
     return 1 - SequenceMatcher(None, a, b, autojunk=False).ratio()
 
 
-def _lines(claim: Claim) -> int:
-    lines = (line.strip() for text in claim.files.values() for line in text.splitlines())
-    return sum(bool(line) and not line.startswith("#") for line in lines)
+def _code(claim: Claim) -> list[str]:
+    """Return the lines of code: without docstrings, comments and blank lines, as ways.js does."""
+    code = []
+    for text in claim.files.values():
+        texts = (each for each in ast.walk(ast.parse(text)) if isinstance(each, ast.Expr)
+                 and isinstance(each.value, ast.Constant))  # fmt: skip
+        said = {line for each in texts for line in range(each.lineno, (each.end_lineno or 0) + 1)}
+        code += [line for i, line in enumerate(text.splitlines(), 1)
+                 if i not in said and re.match(r"\s*[^\s#]", line)]  # fmt: skip
+    return code
+
+
+def _balance(*figures: tuple[str, float, float, float]) -> str:
+    """Say what a way saves and costs: of each its name, a figure, the reference's, what is equal.
+
+    Less is better. What counts as equal is a share of the larger one.
+    """
+    apart = [(name, round(b - a, 2)) for name, a, b, of in figures if abs(b - a) > of * max(a, b)]
+    if not apart:
+        return "It saves and costs nothing that is measured: what differs is the style."
+    saves = [f"{by:g} {name}" for name, by in apart if by > 0]
+    costs = [f"{-by:g} {name}" for name, by in apart if by < 0]
+    saved, cost = (", ".join(said) or "nothing that is measured" for said in (saves, costs))
+    return f"Beside the reference it saves {saved}. It costs {cost}."
 
 
 def _cost(grading: Grading) -> float:
@@ -114,24 +146,24 @@ def _sent(recording: Recording) -> list[tuple[str, bytes]]:
     return [(each.topic, each.data) for each in recording.published if each.topic not in hidden]
 
 
-def _drives(mine: Grading, theirs: Grading) -> list[str]:
-    """Say a race's figure of each drive in which it is another by 2 % or more."""
-    contract, unit = contract_of(mine.exercise), unit_of(mine.exercise)
-    one, other = (
-        {each.name: lap_of(each, contract).figure or 0.0 for each in grading.recordings
-         if contract.race and not each.scenario.bench}
-        for grading in (mine, theirs)
-    )  # fmt: skip
-    return [f"{name}: {one[name]:.1f} {unit}; the reference {other[name]:.1f} {unit}."
-            for name in one if abs(one[name] - other[name]) > 0.02 * other[name]]  # fmt: skip
+def _laps(mine: Grading, theirs: Grading) -> list[tuple[str, float, float]]:
+    """Return a race's figures in all worlds that both finish, with their names."""
+    contract = contract_of(mine.exercise)
+    other = {each.name: lap_of(each, contract).figure for each in theirs.recordings}
+    one = [(each.name, lap_of(each, contract).figure) for each in mine.recordings
+           if contract.race and not each.scenario.bench]  # fmt: skip
+    return [(name, lap, past) for name, lap in one if lap and (past := other[name])]
+
+
+def _failed(grading: Grading) -> list[str]:
+    return [each.title for each in grading.checks if each.kind == "field" and each.outcome != PASS]
 
 
 def _field(grading: Grading) -> str:
-    known = [check for check in grading.checks if check.kind == "field"]
-    failed = [check.title for check in known if check.outcome != PASS]
-    if failed:
-        return f"Of {len(known)} field checks it fails {len(failed)}: {' '.join(failed)}"
-    return f"It passes all {len(known)} field checks: other sensors and networks change nothing."
+    known = sum(check.kind == "field" for check in grading.checks)
+    if failed := _failed(grading):
+        return f"Of {known} field checks it fails {len(failed)}: {' '.join(failed)}"
+    return f"It passes all {known} field checks: other sensors and networks change nothing."
 
 
 def main(arguments: Sequence[str]) -> int:

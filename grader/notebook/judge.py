@@ -34,64 +34,53 @@ from grader.drive import (
 from grader.errors import GraderError, InputError
 from grader.grading.grading import grade_submission
 from grader.launchers import ForkServerPool, launcher_pool
+from grader.notebook import orders
 from grader.notebook.answers import graded
-from grader.notebook.orders import (
-    Answer,
-    Drive,
-    Driven,
-    Grade,
-    Graded,
-    Look,
-    Order,
-    Problem,
-    Progressed,
-    Warm,
-)
 from grader.report.page import page_html, page_payload
 from rclpy_virtual_time import Launcher, Link
 
 GRACE = 5.0  # [s] for an interrupted order to clean up
 
-Send = Callable[[Answer], None]
+Send = Callable[[orders.Answer], None]
 
 
 def main() -> None:
     """Carry out orders until the kernel closes the pipe."""
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
     os.dup2(2, 1)  # prints go to stderr
-    orders: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_read, args=(sys.stdin.buffer, orders), daemon=True).start()
+    waiting: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_read, args=(sys.stdin.buffer, waiting), daemon=True).start()
     send = _sender(answers)
     with contextlib.suppress(KeyboardInterrupt, BrokenPipeError), launcher_pool() as forkservers:
-        while line := orders.get():
-            order = msgspec.json.decode(line, type=Order)
+        while line := waiting.get():
+            order = msgspec.json.decode(line, type=orders.Order)
             answer = carry_out(order, forkservers, send)
             if answer is not None:
                 send(answer)
 
 
-def carry_out(order: Order, forkservers: ForkServerPool, send: Send) -> Answer | None:
-    """Carry out an order and return the answer; `Warm` has none."""
+def carry_out(order: orders.Order, forkservers: ForkServerPool, send: Send) -> orders.Answer | None:
+    """Carry out an order and return the answer; `orders.Warm` has none."""
     try:
         match order:
-            case Warm():
+            case orders.Warm():
                 forkservers.of(order.libraries)
                 return None
-            case Drive():
+            case orders.Drive():
                 able = (*order.libraries, *([Link.Moment.LIBRARY] if order.at else []))
                 return _drive(order, forkservers.of(able))
-            case Grade():
+            case orders.Grade():
                 return _grade(order, forkservers, send)
-            case Look():
+            case orders.Look():
                 return _look(order, forkservers, send)
     except InputError as error:
-        return None if isinstance(order, Warm) else Problem(str(error))
+        return None if isinstance(order, orders.Warm) else orders.Problem(str(error))
     except GraderError as error:
         forkservers.close()
-        return None if isinstance(order, Warm) else Problem(str(error), fault=True)
+        return None if isinstance(order, orders.Warm) else orders.Problem(str(error), fault=True)
 
 
-def _drive(order: Drive, launcher: Launcher) -> Driven:
+def _drive(order: orders.Drive, launcher: Launcher) -> orders.Driven:
     scenario = scenario_for(
         order.scenario, lidar=order.lidar, duration=order.duration, goals=order.goals
     )
@@ -109,10 +98,10 @@ def _drive(order: Drive, launcher: Launcher) -> Driven:
         print(*(f"  {sentence}" for sentence in submission.account()), sep="\n")
         print_moments(recording, order.at)
     payload = page_payload(None, [recording], recording.scenario.title or recording.name)
-    return Driven(said.getvalue(), page_html({**payload, "embedded": True}))
+    return orders.Driven(said.getvalue(), page_html({**payload, "embedded": True}))
 
 
-def _look(order: Look, forkservers: ForkServerPool, send: Send) -> Driven:
+def _look(order: orders.Look, forkservers: ForkServerPool, send: Send) -> orders.Driven:
     exercise = find_exercise(order.exercise)
     arena = search.arena_of(exercise, field=order.field)
     submission = find_submission(Path(order.file), exercise.files[0])
@@ -123,17 +112,19 @@ def _look(order: Look, forkservers: ForkServerPool, send: Send) -> Driven:
         seed=order.seed,
         tries=order.tries,
         minutes=order.minutes,
-        on_try=lambda tries, so_far: send(Progressed("world", tries, order.tries or 0, so_far)),
+        on_try=lambda tries, so_far: send(
+            orders.Progressed("world", tries, order.tries or 0, so_far)
+        ),
     )
     said = result.account(exercise=exercise.number, seed=order.seed)
     if result.found is None:
-        return Driven(said, "")
+        return orders.Driven(said, "")
     found = result.found
     payload = page_payload(None, [found.recording], found.sentence, found.mishap.at)
-    return Driven(said, page_html({**payload, "embedded": True}))
+    return orders.Driven(said, page_html({**payload, "embedded": True}))
 
 
-def _grade(order: Grade, forkservers: ForkServerPool, send: Send) -> Graded:
+def _grade(order: orders.Grade, forkservers: ForkServerPool, send: Send) -> orders.Graded:
     exercise = find_exercise(order.exercise)
     path = Path(order.file)
     submission = find_submission(path, exercise.files[0], exercise.files[1:])
@@ -144,7 +135,7 @@ def _grade(order: Grade, forkservers: ForkServerPool, send: Send) -> Graded:
         file=order.shown,
         field=order.field,
         only=order.only,
-        on_progress=lambda step: send(Progressed(*step)),
+        on_progress=lambda step: send(orders.Progressed(*step)),
     )
     return graded(grading, path)
 
@@ -152,7 +143,7 @@ def _grade(order: Grade, forkservers: ForkServerPool, send: Send) -> Graded:
 def _sender(file: BinaryIO) -> Send:
     lock = threading.Lock()  # trials report from several threads
 
-    def send(answer: Answer) -> None:
+    def send(answer: orders.Answer) -> None:
         line = memoryview(msgspec.json.encode(answer) + b"\n")
         with lock:
             while line:
@@ -161,11 +152,11 @@ def _sender(file: BinaryIO) -> Send:
     return send
 
 
-def _read(lines: Iterable[bytes], orders: queue.SimpleQueue[bytes]) -> None:
+def _read(lines: Iterable[bytes], waiting: queue.SimpleQueue[bytes]) -> None:
     """Queue orders; when there are no more, interrupt the running one and end this process."""
     for line in lines:
-        orders.put(line)
-    orders.put(b"")
+        waiting.put(line)
+    waiting.put(b"")
     os.kill(os.getpid(), signal.SIGINT)
     time.sleep(GRACE)
     os._exit(1)

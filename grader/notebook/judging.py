@@ -8,21 +8,11 @@ import msgspec
 
 from grader.course.exercises import Exercise, find_exercise
 from grader.errors import GraderError, InputError
+from grader.notebook import orders
 from grader.notebook.cells import MAGIC
 from grader.notebook.child import JUDGE
 from grader.notebook.frame import frame_html
 from grader.notebook.kind import sentence
-from grader.notebook.orders import (
-    Answer,
-    Drive,
-    Driven,
-    Grade,
-    Graded,
-    Look,
-    Order,
-    Problem,
-    Progressed,
-)
 from grader.notebook.report import CheckReport
 from grader.notebook.session import SESSION, exercise_of
 from grader.notebook.show import Progress, preformatted, tell
@@ -43,7 +33,7 @@ def drive_file(
     """See `grader.notebook.drive`."""
     try:
         path = SESSION.file_to_drive(file)
-        order = Drive(
+        order = orders.Drive(
             str(path),
             path.name,
             _scenario_name(scenario),
@@ -73,10 +63,10 @@ def check_file(name: str | None, file: str | Path | None, *, field: bool) -> Che
         tell(f"Not checked: {error}")
         return None
     written = _written(path)
-    order = Grade(exercise.slug, str(path), path.name, only, field)
+    order = orders.Grade(exercise.slug, str(path), path.name, only, field)
     bar = Progress(f"Exercise {exercise.number}, {path.name}")
     answer = _ask(order, bar, "Not checked")
-    if not isinstance(answer, Graded):
+    if not isinstance(answer, orders.Graded):
         return None
     grading = msgspec.json.decode(answer.grading)
     report = CheckReport(
@@ -100,7 +90,7 @@ def search_file(
         exercise, _ = _wanted(name, file)
         path = SESSION.file_for(exercise, file)
         bounds = _bounds(minutes, tries)
-        order = Look(exercise.slug, str(path), path.name, *bounds, int(seed), field)
+        order = orders.Look(exercise.slug, str(path), path.name, *bounds, int(seed), field)
     except (InputError, GraderError) as error:
         tell(f"Not searched: {error}")
         return
@@ -108,8 +98,8 @@ def search_file(
     _show_run(_ask(order, bar, "Not searched"), bar, f"Replay of {path.name}")
 
 
-def _show_run(answer: Answer | None, bar: Progress, title: str) -> None:
-    if isinstance(answer, Driven):
+def _show_run(answer: orders.Answer | None, bar: Progress, title: str) -> None:
+    if isinstance(answer, orders.Driven):
         said = answer.text.strip("\n")
         frame = frame_html(answer.page, title=title) if answer.page else ""
         bar.end({"text/plain": said, "text/html": preformatted(said) + frame})
@@ -148,11 +138,11 @@ def _wanted(name: str | None, file: str | Path | None) -> tuple[Exercise, tuple[
     return SESSION.last_exercise(), only
 
 
-def _ask(order: Order, bar: Progress, failed: str) -> Answer | None:
+def _ask(order: orders.Order, bar: Progress, failed: str) -> orders.Answer | None:
     """Ask the judge, with a bar below the cell; None (and a message) if it stopped or failed."""
     steps = _Steps()
 
-    def on_progress(step: Progressed) -> None:
+    def on_progress(step: orders.Progressed) -> None:
         steps.note(step)
         bar.update(*steps.shown())
 
@@ -162,8 +152,8 @@ def _ask(order: Order, bar: Progress, failed: str) -> Answer | None:
         bar.say(f"{failed}: stopped, because you interrupted the kernel. Run the cell again.")
         return None
     except GraderError as error:
-        answer = Problem(str(error), fault=True)
-    if not isinstance(answer, Problem):
+        answer = orders.Problem(str(error), fault=True)
+    if not isinstance(answer, orders.Problem):
         return answer
     end = "\nThis is not your mistake. Run the cell again." if answer.fault else ""
     bar.say(f"{failed}: {sentence(answer.text)}{end}")
@@ -180,7 +170,7 @@ class _Steps:
     outcomes: dict[str, str] = field(default_factory=dict)  # by check
     search: str = ""  # how far a search is
 
-    def note(self, step: Progressed) -> None:
+    def note(self, step: orders.Progressed) -> None:
         """Note a step."""
         if step.what == "world":
             self.trials, self.search = (step.done, step.of), step.name
