@@ -91,7 +91,7 @@ def test_a_button_carries_the_listing_as_it_is(site: Path) -> None:
             assert place["data-code"] == listed[place["data-page"], place["data-file"]]
     threads = [place["data-file"] for place in Places(site / "real_time.html").found
                if "data-threads" in place]  # fmt: skip
-    assert threads == ["beat.py"] * 4
+    assert threads == ["beat.py"] * 5
     assert all("data-threads" in place for place in Places(site / "parameters.html").found)
 
 

@@ -16,7 +16,18 @@ from grader.checks.ahead import front_distances
 from grader.checks.case import Case, Said, exactly
 from grader.checks.commands import ZERO, published
 from grader.checks.contract import Contract, Limits, free_from
-from grader.exercises.safety_supervisor import rules
+from grader.exercises.safety_supervisor.rules import (
+    MAX_RISE,
+    MAX_SPEED,
+    MAX_TURN_RATE,
+    PASSES_ON,
+    STOPS,
+    TOLERANCE,
+    Decision,
+    Situation,
+    decisions,
+    matching,
+)
 from grader.recording import Recording, Scan
 from sim.messages import BOOL, CMD_VEL_RAW_TOPIC, E_STOP_TOPIC, decode, twist_from_cdr
 from sim.scenario import Scenario
@@ -24,7 +35,7 @@ from sim.scenario import Scenario
 DIAGNOSTICS_TOPIC = "/diagnostics"
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 LEVEL_NAMES = {0: "OK", 1: "WARN", 2: "ERROR", 3: "STALE"}
-LEVELS = {**dict.fromkeys(rules.STOPS, "ERROR"), "obstacle": "WARN", "limited": "WARN", "ok": "OK"}
+LEVELS = {**dict.fromkeys(STOPS, "ERROR"), "obstacle": "WARN", "limited": "WARN", "ok": "OK"}
 
 PERIOD = 0.05  # [s] of a tick
 ARRIVAL_HAIR = 0.005  # [s] what arrived this shortly before a tick may count or not
@@ -45,12 +56,7 @@ def _asked_to_go(scenario: Scenario, scan: Scan) -> bool:
 
 
 CONTRACT = Contract(
-    limits=Limits(
-        slowest=-rules.MAX_SPEED,
-        fastest=rules.MAX_SPEED,
-        turning=rules.MAX_TURN_RATE,
-        rise=rules.MAX_RISE,
-    ),
+    limits=Limits(slowest=-MAX_SPEED, fastest=MAX_SPEED, turning=MAX_TURN_RATE, rise=MAX_RISE),
     period=PERIOD,
     free=_asked_to_go,
     heeds_e_stop=True,
@@ -84,9 +90,9 @@ def _ticks(recording: Recording, reports: list[Report]) -> Iterator[Case]:
     before = frozenset[str]()  # the reasons of the last tick
     for t, row, count in _in_force(recording):
         now, earlier = sent.by(t, t), sent.by(t - ARRIVAL_HAIR - recording.slack, t)
-        right, what = [*rules.decisions(now, last)], now.what
+        right, what = [*decisions(now, last)], now.what
         if earlier != now:  # something came in between
-            right += rules.decisions(earlier, last)
+            right += decisions(earlier, last)
         reported = _newest(reports, t + ZERO)[1] or {}
         said = {**_command(row), **reported} if row else {}
         settled = t - max(begin for begin in begins if begin <= t) >= SETTLED
@@ -95,27 +101,27 @@ def _ticks(recording: Recording, reports: list[Report]) -> Iterator[Case]:
         allowed = {"linear.x": exactly(*speeds), "angular.z": exactly(*turn_rates)}
         yield Case(t, what, tags, allowed, said, count)
         if count:
-            most = {"linear.x": ((-math.inf, max(0.0, last) + rules.MAX_RISE + rules.TOLERANCE),)}
+            most = {"linear.x": ((-math.inf, max(0.0, last) + MAX_RISE + TOLERANCE),)}
             yield Case(t, what, frozenset({"rise"}), most, said)
         asked = {"driving": speeds, "turning": turn_rates}
         if moving := {name: YES for name, numbers in asked.items() if 0.0 not in numbers}:
             yield Case(t, what, frozenset({"moves", *LEVELS.keys() & tags}), moving, said)
         reasons = frozenset(each.reason for each in right)
         if t > SETTLED:  # a new reason is due at the next tick
-            sure = [reason for reason, matches in rules.matching(now).items() if matches == {True}]
+            sure = [reason for reason, matches in matching(now).items() if matches == {True}]
             tag = "first" if len(sure) > 2 else "alone"  # "ok" is always among them
             yield Case(t, what, frozenset({tag}), {"reason": reasons | before}, reported)
         last, before = row[0] if row and math.isfinite(row[0]) else 0.0, reasons
 
 
-def _tags(right: list[rules.Decision], last: float, *, settled: bool) -> Iterator[str]:
+def _tags(right: list[Decision], last: float, *, settled: bool) -> Iterator[str]:
     reasons = {decision.reason for decision in right}
     rising = any(decision.rising for decision in right)
     if len(reasons) == 1:
         yield from reasons
     if settled and not rising:
         yield "settled"
-    if reasons.issubset(rules.PASSES_ON):
+    if reasons.issubset(PASSES_ON):
         if rising:
             yield "rising"
         if all(decision.speed < max(0.0, last) or decision.speed < 0.0 for decision in right):
@@ -179,12 +185,12 @@ class _Sent:
         self._stops = [(m.time / 1e9, decode(m.data, BOOL).data) for m in stops]
         self._scans = [(scan.t, front_distances(scan)) for scan in recording.scans()]
 
-    def by(self, arrived: float, now: float) -> rules.Situation:
+    def by(self, arrived: float, now: float) -> Situation:
         """Return what had arrived by a time [s], with ages as they are now [s]."""
         _, pressed = _newest(self._stops, arrived)
         asked_at, asked = _newest(self._raw, arrived)
         seen_at, distances = _newest(self._scans, arrived)
-        return rules.Situation(bool(pressed), asked, now - asked_at, distances or (), now - seen_at)
+        return Situation(bool(pressed), asked, now - asked_at, distances or (), now - seen_at)
 
 
 def _newest(sent: Sequence[tuple[float, T]], t: float) -> tuple[float, T | None]:
