@@ -13,7 +13,7 @@ const WHAT = {
   s: 'The time to the goal: less is better.',
   m: 'The way driven in the world’s time: more is better.',
 };
-const MORE = 'Nearest and median: the distance kept to whatever is near. Accel. and turning: how strongly it speeds up, brakes and turns '
+const MORE = 'Nearest and median: the distance kept to whatever is within 10 m. Accel. and turning: how strongly it speeds up, brakes and turns '
   + '(root mean square). No marks hang on it.';
 
 /** Return the references' laps and tracks of an exercise, by the world; none where the server does not answer. */

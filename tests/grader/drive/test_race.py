@@ -198,7 +198,10 @@ def test_a_race_through_the_command(race: Callable[..., tuple[int, str]], tmp_pa
         assert msgspec.structs.replace(reference, recording=lap.recording) == lap
     assert text.count("return SLOW_SPEED") == 1
     node.write_text(text.replace("return SLOW_SPEED", "return FULL_SPEED / 2"), "utf-8")
-    assert "your best" in race(*named)[1]
+    said = race(*named)[1]
+    assert "your best" in said
+    kept = Path("".join(said.partition("go back to: ")[2].split()))
+    assert kept.read_bytes() == node.read_bytes()
     faster = read_result(out)
     node.write_text(text, "utf-8")
     assert "has your best, and stays as it is" in race(*named)[1]
