@@ -33,9 +33,11 @@ def is_inside(layout: Layout, point: tuple[float, float]) -> bool:
 
 
 def _contains(polygon: Floats, point: tuple[float, float]) -> bool:
-    to_point = np.array(point) - polygon
-    edges = np.roll(polygon, -1, axis=0) - polygon
-    return bool(np.all(edges[:, 0] * to_point[:, 1] - edges[:, 1] * to_point[:, 0] >= 0.0))
+    (x, y), corners = point, polygon.tolist()
+    return all(
+        (next_x - at_x) * (y - at_y) - (next_y - at_y) * (x - at_x) >= 0.0
+        for (at_x, at_y), (next_x, next_y) in zip(corners, corners[1:] + corners[:1], strict=True)
+    )
 
 
 def _distances(points: Floats, segments: Floats) -> Floats:

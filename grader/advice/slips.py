@@ -72,7 +72,7 @@ def slips(source: bytes) -> list[str]:
 
     Raises SyntaxError, ValueError: Python does not accept it.
     """
-    tree = ast.parse(source)
+    tree = _tree(source)
     looks = (
         _statements,
         _comparisons,
@@ -95,7 +95,7 @@ def unused_imports(source: bytes) -> list[str]:
 
     Raises SyntaxError, ValueError: Python does not accept it.
     """
-    tree = ast.parse(source)
+    tree = _tree(source)
     found: dict[str, None] = {}
     for node in tree.body:
         if isinstance(node, ast.Import | ast.ImportFrom):
@@ -122,6 +122,11 @@ def said_in(text: str) -> Slip | None:
 
 def _said(node: ast.AST, slip: str, *names: object) -> tuple[int, str]:
     return getattr(node, "lineno", 0), SAID[slip].format(*names)
+
+
+@lru_cache(maxsize=4)
+def _tree(source: bytes) -> ast.Module:
+    return ast.parse(source)
 
 
 def _all(tree: ast.AST, *kinds: type) -> Iterator[Any]:

@@ -100,11 +100,12 @@ def _scans(rng: np.random.Generator) -> Iterator[Floats]:
     near = False
     while True:
         x, y, yaw = _pose_near(faces, rng) if near else _pose_anywhere(rng)
-        ranges = caster.cast(x, y, yaw)
-        if ranges.min() < ROBOT_RADIUS or _is_outside(layout, x, y):
+        if _is_outside(layout, x, y):
             continue
-        near = not near
-        yield ranges
+        ranges = caster.cast(x, y, yaw)
+        if ranges.min() >= ROBOT_RADIUS:
+            near = not near
+            yield ranges
 
 
 def _world(rng: np.random.Generator) -> World:

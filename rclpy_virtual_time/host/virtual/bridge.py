@@ -177,6 +177,7 @@ class Bridge:
                 )
                 graph.watch_matches(kind, node, endpoint, self.discovery)
                 if endpoint.qos_profile.durability == LATCHED:
+                    endpoint._course_seen = 0  # what it takes counts: history comes late
                     self._await_history(endpoint.topic_name)
                     self.discovery.hold_history(endpoint)
             case "service":

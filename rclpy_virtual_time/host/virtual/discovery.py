@@ -253,13 +253,19 @@ def may_have_work(end: Any) -> bool:
     All that is sent is counted, but for what rcl itself sends to names of its own, and answers
     that a program sends below `Service.send_response`.
     """
-    if end.__dict__.get("_pending_requests"):
+    own = end.__dict__
+    if own.get("_pending_requests"):
         return True
     try:
-        name = _key(end)
+        name = own.get("_course_key") or _key(end)
     except InvalidHandle:  # it has been destroyed
         return True
-    return end.__dict__.get("_course_seen", -1) < sent[name] or bool(UNCOUNTED.search(name))
+    return bool(own.get("_course_seen", -1) < sent[name]) or _is_uncounted(name)
+
+
+@functools.lru_cache(maxsize=256)
+def _is_uncounted(name: str) -> bool:
+    return bool(UNCOUNTED.search(name))
 
 
 def count_sent() -> None:

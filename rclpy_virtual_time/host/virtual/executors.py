@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import bisect
 import collections
+import contextlib
 import functools
 import inspect
 import os
@@ -44,6 +45,7 @@ from .clock import real_time_ns
 from .kernel import Kernel, Waiters
 
 SENT_TO = (Subscription, Client, Service)
+KNOWN = (Timer, *SENT_TO)  # what may be ready is known of these; of others only to rclpy
 EXECUTOR: Any = rclpy.executors.Executor
 wait_in_rcl, can_execute = EXECUTOR.wait_for_ready_callbacks, EXECUTOR.can_execute  # rclpy's own
 ONLY_CHANGES = rclpy.clock.JumpThreshold(min_forward=None, min_backward=None)
@@ -175,16 +177,23 @@ def _look(kernel: Kernel, bridge: Graph, executor: Any, nodes: Any, condition: A
     while True:
         if not executor.context.ok() and not executor._is_shutdown:
             raise ExternalShutdownException  # a wait set can't be made any more
-        if discovery.arrivals and (found := _arrived(executor, nodes or executor.get_nodes())):
+        theirs = nodes or executor.get_nodes()
+        if discovery.arrivals and (found := _arrived(executor, theirs)):
+            return found
+        if found := _next_of_look(executor, nodes, condition):
+            tasks.is_new(kernel, found[0])
             return found
         asked = executor._course_asked = []
         if not condition() and _is_free(executor):
-            ends = _may_be_ready(executor, nodes or executor.get_nodes())
+            ends = _may_be_ready(executor, theirs)
             if not ends:
                 return None
-            if len(ends) == 1 and (found := _alone(executor, *ends[0])):
-                tasks.is_new(kernel, found[0])
-                return found
+            if all(isinstance(end, KNOWN) for end, _ in ends):
+                if found := _find_ready(executor, ends, nodes, condition):
+                    tasks.is_new(kernel, found[0])
+                    return found
+                _note_no_work(bridge, asked, theirs)
+                return None
         try:
             found = wait_in_rcl(executor, 0, nodes, condition)
         except TimeoutException:
@@ -221,7 +230,7 @@ def _may_execute(self: Any, entity: Any) -> bool:
 
 def _nodes_in_order(self: Any) -> list[Any]:
     """Return the executor's nodes; it keeps a set, whose order changes from run to run."""
-    return sorted(self._nodes, key=_name_of)
+    return sorted(self._nodes, key=_name_of) if len(self._nodes) > 1 else list(self._nodes)
 
 
 def _is_due(timer: Any) -> bool:
@@ -232,39 +241,98 @@ def _is_due(timer: Any) -> bool:
 
 
 def _is_free(executor: Any) -> bool:
-    """Return whether an executor has nothing left of an earlier look, and no task."""
+    """Return whether an executor has nothing left of a look in rclpy, and no task to go on with."""
     running = executor._cb_iter is not None and executor._cb_iter.gi_frame is not None
-    done = all(task.done() for task, _, _ in executor._tasks)
-    return done and not running and not executor._is_shutdown
+    busy = (
+        task.done() or task.executing() or task.__dict__.get("_course_queued")
+        for task, _, _ in executor._tasks
+    )
+    return all(busy) and not running and not executor._is_shutdown
 
 
 def _may_be_ready(executor: Any, nodes: Any) -> list[tuple[Any, Any]]:
-    """Return the entities that may be ready, each with its node."""
+    """Return the entities that may be ready, each with its node, in the order of rclpy."""
     return [
         (entity, node)
         for node in nodes
-        for kind in ("subscriptions", "timers", "clients", "services", "guards", "waitables")
+        for kind in ("timers", "subscriptions", "clients", "services", "guards", "waitables")
         for entity in getattr(node, kind)
         if executor.can_execute(entity)
     ]
 
 
-def _alone(executor: Any, entity: Any, node: Any) -> Any:
-    """Return the handler of the only entity that may be ready; None if a wait set is needed.
+def _find_ready(executor: Any, ends: Any, nodes: Any, condition: Any) -> Any:
+    """Look as rclpy does, but only at these; return the first work, as `_look` does.
 
-    Whether a message has come, only taking it tells. So it is taken here, but not for an executor
-    with threads: others may run before its callback, and a newer message replace it.
+    Whether one message has come, taking it tells at less cost than a wait set. But not for an
+    executor with threads: others may run before its callback, and a newer message replace it.
     """
-    take = executor._take_timer
-    if not isinstance(entity, Timer):
-        at_once = type(executor) is SingleThreadedExecutor and isinstance(entity, Subscription)
-        taken = executor._take_subscription(entity) if at_once else None
+    executor._tasks = [each for each in executor._tasks if not each[0].done()]
+    entity, node = ends[0]
+    alone = len(ends) == 1 and isinstance(entity, Subscription)
+    if alone and type(executor) is SingleThreadedExecutor:
+        taken = executor._take_subscription(entity)
         if taken is None:
             return None
-        take = lambda _: taken  # noqa: E731
-    with executor._tasks_lock:
-        executor._tasks.clear()  # they are done
-    return executor._make_handler(entity, node, take), entity, node
+        return executor._make_handler(entity, node, lambda _: taken), entity, node
+    executor._course_look = nodes, condition, _ready(executor, ends, _with_news(executor, ends))
+    return _next_of_look(executor, nodes, condition)
+
+
+def _next_of_look(executor: Any, nodes: Any, condition: Any) -> Any:
+    """Return what the last look has found ready besides, as long as the same is asked."""
+    *asked, ready = executor.__dict__.get("_course_look", (None, None, None))
+    if ready is not None and asked == [nodes, condition] and (found := next(ready, None)):
+        return found
+    executor._course_look = None, None, None
+    return None
+
+
+def _ready(executor: Any, ends: Any, news: set[int]) -> Iterator[Any]:
+    """Yield the work of each of these that is ready."""
+    take = {
+        Timer: executor._take_timer,
+        Subscription: executor._take_subscription,
+        Client: executor._take_client,
+        Service: executor._take_service,
+    }
+    for entity, node in ends:
+        with contextlib.suppress(InvalidHandle):  # it was destroyed meanwhile
+            with entity.handle:
+                ready = entity.is_ready() if isinstance(entity, Timer) else id(entity) in news
+            if ready and entity.callback_group.can_execute(entity):
+                kind = next(kind for kind in KNOWN if isinstance(entity, kind))
+                yield executor._make_handler(entity, node, take[kind]), entity, node
+
+
+def _with_news(executor: Any, ends: Any) -> set[int]:
+    """Return the ids of the subscriptions, clients and services for which something has come."""
+    news: set[int] = set()
+    with contextlib.ExitStack() as held:
+        asked: dict[Any, list[Any]] = {kind: [] for kind in SENT_TO}
+        for kind in SENT_TO:
+            for end, _ in ends:
+                if isinstance(end, kind):
+                    with contextlib.suppress(InvalidHandle):  # it was destroyed
+                        held.enter_context(end.handle)
+                        asked[kind].append(end)
+        if not any(asked.values()):
+            return news
+        subscriptions, clients, services = (len(asked[kind]) for kind in SENT_TO)
+        held.enter_context(executor.context.handle)
+        wait_set = rclpy_implementation.WaitSet(
+            subscriptions, 0, 0, clients, services, 0, executor.context.handle
+        )
+        wait_set.clear_entities()
+        adds = wait_set.add_subscription, wait_set.add_client, wait_set.add_service
+        for kind, add in zip(SENT_TO, adds, strict=True):
+            for end in asked[kind]:
+                add(end.handle)
+        wait_set.wait(0)
+        for kind, name in zip(SENT_TO, ("subscription", "client", "service"), strict=True):
+            ready = wait_set.get_ready_entities(name) if asked[kind] else ()
+            news.update(id(end) for end in asked[kind] if end.handle.pointer in ready)
+    return news
 
 
 def _name_of(node: Any) -> str:

@@ -81,10 +81,17 @@ class Lock:
         self._held = False
         self._waiters.clear()
 
-    __enter__ = acquire
+    def __enter__(self) -> bool:
+        if self._held:
+            return self.acquire()
+        self._held = True
+        return True
 
     def __exit__(self, *_: object) -> None:
-        self.release()
+        if self._held and not self._waiters:
+            self._held = False
+        else:
+            self.release()
 
 
 Lock.__module__, Lock.__name__, Lock.__qualname__ = "_thread", "lock", "lock"  # as Python's

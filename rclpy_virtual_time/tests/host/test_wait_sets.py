@@ -4,6 +4,10 @@ import pytest
 
 from rclpy_virtual_time.tests.runs import RunNode, end_of, scans
 
+MORE = """
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_srvs.srv import Trigger
+"""
 COUNTED = """
 import rclpy.executors
 native, made = rclpy.executors._rclpy, []
@@ -11,10 +15,47 @@ real = native.WaitSet
 native.WaitSet = lambda *counts: made.append(counts) or real(*counts)
 
 class Counting(Echo):
+    def __init__(self):
+        super().__init__()
+        BESIDES
     def on_scan(self, scan):
         print(len(made), len(self.executor._tasks))
         super().on_scan(scan)
 rclpy.init(); rclpy.spin(Counting())
+"""
+LATCHED = "QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)"
+BESIDES = {  # what has no work when a scan comes
+    "nothing": "pass",
+    "a latched topic": f"self.create_subscription(String, 'map', print, {LATCHED})",
+    "a timer": "self.create_timer(0.25, lambda: None)",
+    "a latched topic that has been heard": f"""
+        self.map = self.create_publisher(String, 'map', {LATCHED})
+        self.map.publish(String())
+        self.create_subscription(String, 'map', lambda _: None, {LATCHED})""",
+}
+TURNS = """
+class Turns(Echo):
+    def __init__(self):
+        super().__init__()
+        for name in 'ba':
+            self.create_subscription(String, name, lambda _, name=name: print(name), 10)
+        self.a, self.b = (self.create_publisher(String, name, 10) for name in 'ab')
+        self.timer = self.create_timer(10.0, lambda: (print('timer'), self.timer.cancel()))
+        self.asks = self.create_client(Trigger, 'ask')
+        self.create_service(Trigger, 'ask', self.on_ask)
+    def on_ask(self, request, response):
+        print('asked')
+        return response
+    def on_scan(self, scan):
+        if self.timer.timer_period_ns == 1:
+            return
+        self.asks.call_async(Trigger.Request()).add_done_callback(lambda _: print('answered'))
+        for end in (self.a, self.a, self.b):
+            end.publish(String())
+        self.timer.timer_period_ns = 1
+        self.timer.reset()
+        time.sleep(0.01)
+rclpy.init(); executor = EXECUTOR; executor.add_node(Turns()); executor.spin()
 """
 LATER = """
 class Later(SingleThreadedExecutor):
@@ -104,12 +145,21 @@ WAYS = {
 }
 
 
-def test_a_message_that_comes_alone_costs_no_wait_set(run_node: RunNode) -> None:
-    recording = run_node(COUNTED, 2.0)
+@pytest.mark.parametrize("besides", BESIDES)
+def test_a_message_that_comes_alone_costs_no_wait_set(besides: str, run_node: RunNode) -> None:
+    recording = run_node(MORE + COUNTED.replace("BESIDES", BESIDES[besides].strip()), 2.0)
     counts, tasks = zip(*(map(int, line.text.split()) for line in recording.log), strict=True)
     assert len(counts) == len(list(scans(2 * 10**9))) > 15
     assert counts[-1] == counts[5]
     assert set(tasks[5:]) == {1}
+
+
+@pytest.mark.parametrize("executor", ["SingleThreadedExecutor()", "MultiThreadedExecutor(2)"])
+def test_what_one_look_has_found_comes_in_the_order_of_rclpy(
+    executor: str, run_node: RunNode
+) -> None:
+    recording = run_node(MORE + TURNS.replace("EXECUTOR", executor), 1.0)
+    assert [line.text for line in recording.log] == ["timer", "b", "a", "asked", "a", "answered"]
 
 
 def test_an_executor_that_waits_before_a_callback_takes_the_newest(run_node: RunNode) -> None:
