@@ -243,11 +243,9 @@ def _is_due(timer: Any) -> bool:
 def _is_free(executor: Any) -> bool:
     """Return whether an executor has nothing left of a look in rclpy, and no task to go on with."""
     running = executor._cb_iter is not None and executor._cb_iter.gi_frame is not None
-    busy = (
-        task.done() or task.executing() or task.__dict__.get("_course_queued")
-        for task, _, _ in executor._tasks
+    return not (running or executor._is_shutdown) and all(
+        tasks.rests(task) for task, _, _ in executor._tasks
     )
-    return all(busy) and not running and not executor._is_shutdown
 
 
 def _may_be_ready(executor: Any, nodes: Any) -> list[tuple[Any, Any]]:

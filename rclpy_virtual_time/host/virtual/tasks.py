@@ -181,6 +181,14 @@ def is_new(kernel: Kernel, task: Any) -> bool:
     return True
 
 
+def rests(task: Any) -> bool:
+    """Return whether an executor has nothing to do for a task that it has made."""
+    if task.done() or task.executing() or task.__dict__.get("_course_queued"):
+        return True
+    waits_for = _waits_for(task)
+    return waits_for is not None and waits_for is not YIELDED and bool(waits_for._pending())
+
+
 def _waits_for(task: Any) -> Any:
     """Return the future of rclpy for which a coroutine waits; None if it has not begun.
 
