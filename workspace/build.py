@@ -6,8 +6,6 @@ against their hashes; nothing of it is committed. PYTHON, of the page's version,
 than the page's own does.
 """
 
-from __future__ import annotations
-
 import contextlib
 import gzip
 import hashlib

@@ -5,8 +5,6 @@ is what `make workspace` has made. Pyodide comes from npm, by package-lock.json;
 release a kernel needs, as numpy in workspace/build.py.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json

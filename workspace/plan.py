@@ -1,7 +1,5 @@
 """What the page has to know of an exercise before a Python runs there: its checks and scenarios."""
 
-from __future__ import annotations
-
 import ast
 import os
 from collections.abc import Iterator, Sequence
