@@ -113,17 +113,6 @@ def test_a_wait_is_never_shorter_by_any_clock() -> None:
     assert max(waited) < 13_500_000, waited  # type: ignore[operator,type-var]
 
 
-def test_nobody_sets_the_clock_of_the_machine() -> None:
-    assert (
-        run("""
-        for set_time in (time.clock_settime, time.clock_settime_ns):
-            try: set_time(time.CLOCK_MONOTONIC, 0)  # which no kernel would allow either
-            except OSError as error: say(type(error).__name__)
-    """)
-        == [[0.0, "PermissionError"]] * 2
-    )
-
-
 def test_waiting_for_a_date_ends() -> None:
     ((now,),) = run("""
         from datetime import datetime, timedelta
@@ -132,45 +121,6 @@ def test_waiting_for_a_date_ends() -> None:
         say()
     """)
     assert now == pytest.approx(0.02, abs=0.001)
-
-
-def test_an_alarm_interrupts_whatever_the_main_thread_waits_for() -> None:
-    assert run("""
-        import signal
-        def ring(number, frame): say('ring', number == signal.SIGALRM)
-        signal.signal(signal.SIGALRM, ring)
-        signal.alarm(1)
-        time.sleep(3.0); say('slept')
-        signal.setitimer(signal.ITIMER_REAL, 0.5, 1.0)
-        say(*signal.getitimer(signal.ITIMER_REAL))
-        threading.Event().wait(2.0); say('waited')
-        say(*signal.setitimer(signal.ITIMER_REAL, 0))
-        time.sleep(4.0); say('quiet')
-    """) == [
-        [1.0, "ring", True],
-        [3.0, "slept"],
-        [3.0, 0.5, 1.0],
-        [3.5, "ring", True],
-        [4.5, "ring", True],
-        [5.0, "waited"],
-        [5.0, 0.5, 1.0],
-        [9.0, "quiet"],
-    ]
-
-
-def test_an_alarm_that_raises_ends_the_wait() -> None:
-    assert run("""
-        import signal
-        class Late(Exception): pass
-        def ring(number, frame): raise Late
-        signal.signal(signal.SIGALRM, ring)
-        lock = threading.Lock(); lock.acquire()
-        for wait in (lambda: time.sleep(9), lock.acquire, threading.Event().wait,
-                     queue.Queue().get, threading.Barrier(2).wait):
-            signal.setitimer(signal.ITIMER_REAL, 0.25)
-            try: wait()
-            except Late: say('late')
-    """) == [[0.25 * (i + 1), "late"] for i in range(5)]
 
 
 CHANCE = """
@@ -191,18 +141,6 @@ def test_chance_is_the_same_in_each_run_and_another_with_another_seed() -> None:
     assert same == [False] * 5 + [True] + [False] * 4  # RandomState(3) has its own seed
 
 
-def test_clocks_that_python_does_not_name() -> None:
-    said = run("""
-        import os
-        clocks = [lambda i=i: time.clock_gettime(i) for i in (5, 6, 8, 9)]
-        clocks.append(lambda: os.times().elapsed)
-        before = [clock() for clock in clocks]
-        time.sleep(0.75)
-        say(*(round(clock() - then, 3) for clock, then in zip(clocks, before)))
-    """)
-    assert said == [[0.75] + [0.75] * 5]
-
-
 def test_the_second_ends_when_it_ends() -> None:
     said = run("""
         import datetime
@@ -215,16 +153,63 @@ def test_the_second_ends_when_it_ends() -> None:
     assert said[1][2] == (said[0][2] + 1) % 60  # type: ignore[operator]
 
 
-def test_sleep_refuses_what_it_cannot_understand() -> None:
-    said = run("""
+# What a program does, and what it says and when.
+PROGRAMS = {
+    "nobody sets the clock of the machine": ("""
+        for set_time in (time.clock_settime, time.clock_settime_ns):
+            try: set_time(time.CLOCK_MONOTONIC, 0)  # which no kernel would allow either
+            except OSError as error: say(type(error).__name__)
+    """, [[0.0, "PermissionError"]] * 2),
+    "an alarm interrupts whatever the main thread waits for": ("""
+        import signal
+        def ring(number, frame): say('ring', number == signal.SIGALRM)
+        signal.signal(signal.SIGALRM, ring)
+        signal.alarm(1)
+        time.sleep(3.0); say('slept')
+        signal.setitimer(signal.ITIMER_REAL, 0.5, 1.0)
+        say(*signal.getitimer(signal.ITIMER_REAL))
+        threading.Event().wait(2.0); say('waited')
+        say(*signal.setitimer(signal.ITIMER_REAL, 0))
+        time.sleep(4.0); say('quiet')
+    """, [[1.0, "ring", True], [3.0, "slept"], [3.0, 0.5, 1.0], [3.5, "ring", True],
+          [4.5, "ring", True], [5.0, "waited"], [5.0, 0.5, 1.0], [9.0, "quiet"]]),
+    "an alarm that raises ends the wait": ("""
+        import signal
+        class Late(Exception): pass
+        def ring(number, frame): raise Late
+        signal.signal(signal.SIGALRM, ring)
+        lock = threading.Lock(); lock.acquire()
+        for wait in (lambda: time.sleep(9), lock.acquire, threading.Event().wait,
+                     queue.Queue().get, threading.Barrier(2).wait):
+            signal.setitimer(signal.ITIMER_REAL, 0.25)
+            try: wait()
+            except Late: say('late')
+    """, [[0.25 * (i + 1), "late"] for i in range(5)]),
+    "clocks that python does not name": ("""
+        import os
+        clocks = [lambda i=i: time.clock_gettime(i) for i in (5, 6, 8, 9)]
+        clocks.append(lambda: os.times().elapsed)
+        before = [clock() for clock in clocks]
+        time.sleep(0.75)
+        say(*(round(clock() - then, 3) for clock, then in zip(clocks, before)))
+    """, [[0.75] + [0.75] * 5]),
+    "sleep refuses what it cannot understand": ("""
         for bad in ('x', None, -0.5):
             try: time.sleep(bad)
             except (TypeError, ValueError) as error: say(f'{type(error).__name__}: {error}')
         time.sleep(True); say('slept')
-    """)
-    assert said == [
-        [0.0, "TypeError: 'str' object cannot be interpreted as an integer"],
-        [0.0, "TypeError: 'NoneType' object cannot be interpreted as an integer"],
-        [0.0, "ValueError: sleep length must be non-negative"],
-        [1.0, "slept"],
-    ]
+    """, [[0.0, "TypeError: 'str' object cannot be interpreted as an integer"],
+          [0.0, "TypeError: 'NoneType' object cannot be interpreted as an integer"],
+          [0.0, "ValueError: sleep length must be non-negative"], [1.0, "slept"]]),
+    "select as a sleep takes its time": ("""
+        import select
+        select.select([], [], [], 0.3); say()
+        say(len(select.poll().poll(250)))
+        say(len(select.epoll().poll(0.2)))
+    """, [[0.3], [0.55, 0], [0.75, 0]]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("source", "said"), PROGRAMS.values(), ids=PROGRAMS)
+def test_waits_and_clocks_are_those_of_virtual_time(source: str, said: list[object]) -> None:
+    assert run(source) == said

@@ -3,16 +3,6 @@
 from alone import run
 
 
-def test_select_as_a_sleep_takes_its_time() -> None:
-    said = run("""
-        import select
-        select.select([], [], [], 0.3); say()
-        say(len(select.poll().poll(250)))
-        say(len(select.epoll().poll(0.2)))
-    """)
-    assert said == [[0.3], [0.55, 0], [0.75, 0]]
-
-
 def test_whoever_waits_lets_the_one_run_who_writes() -> None:
     said = run("""
         import select, selectors, socket
