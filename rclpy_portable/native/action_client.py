@@ -35,17 +35,8 @@ def action_name(node: Node, name: str) -> str:
 class ActionClient(Destroyable):
     """What asks for goals, for their results, and to cancel them."""
 
-    def __init__(
-        self,
-        node: Node,
-        action: Any,
-        name: str,
-        goal: rmw_qos_profile_t,
-        result: rmw_qos_profile_t,
-        cancel: rmw_qos_profile_t,
-        feedback: rmw_qos_profile_t,
-        status: rmw_qos_profile_t,
-    ) -> None:
+    def __init__(self, node: Node, action: Any, name: str, *profiles: rmw_qos_profile_t) -> None:
+        goal, result, cancel, feedback, status = profiles
         full = action_name(node, name)
         impl = action.Impl
         self._goal = Client(node, impl.SendGoalService, full + SUFFIXES["goal"], goal)

@@ -53,11 +53,8 @@ def pytest_in(folder: Path, *arguments: str) -> Session:
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
     )  # fmt: skip
     cases = ET.parse(results).getroot().iter("testcase") if results.exists() else ()
-    return Session(done.returncode, done.stdout, {_name(case): _result(case) for case in cases})
-
-
-def _name(case: ET.Element) -> str:
-    return f"{case.get('classname')}.{case.get('name')}".lstrip(".")
+    tests = {f"{c.get('classname')}.{c.get('name')}".lstrip("."): _result(c) for c in cases}
+    return Session(done.returncode, done.stdout, tests)
 
 
 def _result(case: ET.Element) -> Result:
