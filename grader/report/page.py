@@ -86,9 +86,10 @@ def embedded_payload(
     title: str,
     ghosts: Mapping[str, Ghosts] | None = None,
 ) -> JsonDict:
-    """Return only the replays, for a frame in a notebook; it opens at the first moment."""
+    """Return only the replays, for a frame; it opens at what failed, or else at a drive."""
     page = page_payload({"checks": checks}, recordings, title, ghosts=ghosts)
-    return {**page, "grading": None, "embedded": True}
+    judged = [{key: each.get(key) for key in ("id", "outcome", "scenario")} for each in checks]
+    return {**page, "grading": None, "embedded": True, "judged": judged}
 
 
 def page_html(payload: Mapping[str, Any]) -> str:

@@ -56,6 +56,9 @@ def test_a_full_score_opens_at_a_drive_and_not_at_a_bench(open_page: Open) -> No
     page = open_page(passing_page())
     assert value(page, "run") == 1
     assert value(page, "state.v") > 0.1
+    judged = passing_page()["grading"]["checks"]
+    page = open_page(passing_page() | {"grading": None, "embedded": True, "judged": judged})
+    assert value(page, "run") == 1  # in a frame, too
 
 
 def test_a_drive_opens_at_its_start_or_where_it_went_wrong(open_page: Open) -> None:

@@ -206,6 +206,6 @@ export class Hand {
   keep() {
     const [name, content] = this.saved;
     const file = this.save(name, new TextDecoder().decode(content));
-    this.command.replaceChildren('Drive it again: ', el('code', {}, this.commandOf(file)), '. Progress loads its file in another browser.');
+    this.command.replaceChildren('Drive it again: ', el('code', {}, this.commandOf(file)));
   }
 }

@@ -39,7 +39,7 @@ async function beExercise(block) {
   const exercise = plan.exercises[block.dataset.exercise];
   const fit = (all) => Object.fromEntries(Object.entries(all).filter(([name]) => hasStacks || !plan.drives.several.includes(name)));
   const workspace = new Exercise({ ...exercise, field: fit(exercise.field) }, { ...exercise.words, ...plan.methods }, fit(plan.demos), machine, plan.exercises);
-  words.textContent = 'Write the node here, drive it and have it checked, in this browser: nothing is installed, and '
+  words.textContent = 'Write the node here, drive it, disturb it by hand and have it checked, in this browser: nothing is installed, and '
     + `nothing leaves this machine. The first visit fetches 12 MB. ${runsHere(exercise)}`;
   block.querySelector('.workspace-open').replaceChildren(
     el('button', { type: 'button', class: 'ws-main', onclick: () => workspace.open() }, 'Open the workspace'));

@@ -263,8 +263,8 @@ function buildPage(page, payload) {
     payload.embedded ? null : buildFooter(payload));
   window.replayPlayer = mountPlayer(root, payload);
   window.addEventListener('beforeprint', () => asPrinted(page));
-  const failed = payload.framed || checks;
-  if (window.replayPlayer) window.replayPlayer.open(failed, Boolean(payload.embedded), payload.opens_at);
+  const judged = payload.framed || payload.judged || checks;
+  if (window.replayPlayer) window.replayPlayer.open(judged, Boolean(payload.embedded), payload.opens_at);
   if (!payload.embedded) return;
   if (payload.small) playSmall(payload.small);
   foldIfNarrow(page);
