@@ -1,8 +1,8 @@
 """Read a launch file, with a small stand-in of `launch` and `launch_ros`.
 
 PyPI has no wheels of them. A launch file is a program: it runs here, behind the wall. What it
-starts comes out as command lines; what the stand-in (`launch_stand_in`) does not know is named in
-one line.
+starts comes out as command lines; what the stand-in (`launch_stand_in`, `launch_texts`) does not
+know is named in one line.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from grader.colcon import launch_stand_in
-from grader.colcon.launch_stand_in import KNOWN, Context, Mistaken, Started, Unknown
+from grader.colcon import launch_stand_in, launch_texts
+from grader.colcon.launch_stand_in import KNOWN
+from grader.colcon.launch_texts import Context, Mistaken, Started, Unknown
 
 __all__ = ["Mistaken", "Started", "Unknown", "read", "standing_in"]
 
@@ -97,8 +98,9 @@ def _modules() -> dict[str, ModuleType]:
         "launch_ros.parameter_descriptions": "ParameterFile ParameterValue",
         "launch_ros.substitutions": "FindPackageShare",
     }  # fmt: skip
+    known = {**vars(launch_texts), **vars(launch_stand_in)}
     made = {
-        name: _module(name, {each: getattr(launch_stand_in, each) for each in own.split()})
+        name: _module(name, {each: known[each] for each in own.split()})
         for name, own in has.items()
     }
     made["launch_ros.actions"].__dict__["PushRosNamespace"] = launch_stand_in.PushROSNamespace

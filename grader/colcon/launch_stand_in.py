@@ -1,4 +1,4 @@
-"""What launch files are made of: small stand-ins of the classes of `launch` and `launch_ros`.
+"""What launch files do: small stand-ins of the actions of `launch` and `launch_ros`.
 
 They know how each acts in a `Context`; what they don't know they name. `launch_files` reads a file.
 
@@ -10,14 +10,24 @@ from __future__ import annotations
 import difflib
 import functools
 import json
-import os
 import re
 import runpy
 import sys
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+from grader.colcon.launch_texts import (
+    Context,
+    IfCondition,
+    Mistaken,
+    Started,
+    Substitution,
+    Unknown,
+    flat,
+    text_of,
+)
 
 KNOWN = (
     "Node, ParameterValue, ParameterFile, DeclareLaunchArgument, LaunchConfiguration, "
@@ -25,7 +35,6 @@ KNOWN = (
     "FindPackageShare, ThisLaunchFileDir, GroupAction, OpaqueFunction, TimerAction, "
     "PushRosNamespace, SetRemap, SetParameter, IfCondition, UnlessCondition, LogInfo"
 )
-YES, NO = ("true", "1"), ("false", "0")  # what a condition may say
 # of Node: `respawn` of a node that doesn't die; what is none of these two is misspelt
 WITHOUT_EFFECT = {
     "output", "output_format", "log_cmd", "cached_output", "emulate_tty", "exec_name",
@@ -40,55 +49,8 @@ RCLPYS = "this Node is rclpy's; write `from launch_ros.actions import Node`"
 RETURNS = "its last line has to be `return LaunchDescription([…])`"
 FOREIGN = "/not/here/"  # where a package lies that is not here
 MAX_DEPTH = 8  # of launch files that include one another
-
-
-class Unknown(Exception):
-    """A launch file has something that this stand-in does not know: a person has to look."""
-
-
-class Mistaken(Exception):
-    """A launch file has something that `ros2 launch` does not take either."""
-
-
 NO_NAME = re.compile(r"^$|\s|:=|[^/]/$")  # of a topic or service
 NAMES = 'expected two names without blanks, as in ("scan", "/scan"): the program\'s, then the new'
-
-
-@dataclass
-class Started:
-    """A node that a launch file starts."""
-
-    package: str
-    executable: str
-    arguments: tuple[str, ...]
-    needed: bool = False  # the others end with it
-    made: dict[str, str] = field(default_factory=dict)  # parameter files
-
-
-@dataclass
-class Context:
-    """What is known while a launch file is read."""
-
-    package: str
-    packages: frozenset[str]
-    values: dict[str, str] = field(default_factory=dict)  # of its arguments
-    namespace: str = ""
-    parameters: tuple[tuple[str, str], ...] = ()  # of all nodes to come
-    remappings: tuple[tuple[str, str], ...] = ()  # of these, too
-    file: str = ""  # that is being read
-    started: list[Started] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    made: int = 0  # parameter files
-    depth: int = 0
-
-    @property
-    def launch_configurations(self) -> dict[str, str]:
-        """The arguments' values, for functions of the launch file."""
-        return self.values
-
-    def perform_substitution(self, given: Any) -> str:
-        """Return a text, for functions of the launch file."""
-        return _text(given, self)
 
 
 def include(file: str, context: Context) -> None:
@@ -136,95 +98,6 @@ def visit(entity: Any, context: Context) -> None:
         has = f"a launch file has a {type(entity).__name__} where an action belongs"
         mine = RCLPYS if type(entity).__module__.startswith("rclpy") else "such as Node(…)"
         raise Mistaken(f"{has}: {mine}")
-
-
-class Substitution:
-    """A text that is known only when the launch file is carried out."""
-
-    def perform(self, context: Context) -> str:
-        """Return the text."""
-        raise NotImplementedError
-
-
-class LaunchConfiguration(Substitution):
-    """The value of an argument."""
-
-    def __init__(self, variable_name: Any, *, default: Any = None) -> None:
-        self._name, self._default = variable_name, default
-
-    def perform(self, context: Context) -> str:
-        """Return it, or the default."""
-        name = _text(self._name, context)
-        if name in context.values:
-            return context.values[name]
-        if self._default is None:
-            raise Mistaken(f"launch configuration '{name}' does not exist: declare the argument")
-        return _text(self._default, context)
-
-
-class TextSubstitution(Substitution):
-    """A text."""
-
-    def __init__(self, *, text: str) -> None:
-        self._text = text
-
-    def perform(self, context: Context) -> str:
-        """Return it."""
-        return self._text
-
-
-class PathJoinSubstitution(Substitution):
-    """Parts of a path."""
-
-    def __init__(self, substitutions: Iterable[Any]) -> None:
-        self._parts = list(substitutions)
-
-    def perform(self, context: Context) -> str:
-        """Return the path."""
-        return os.path.join(*(_text(part, context) for part in self._parts))
-
-
-class FindPackageShare(Substitution):
-    """A package's share folder."""
-
-    def __init__(self, package: Any) -> None:
-        self._package = package
-
-    def perform(self, context: Context) -> str:
-        """Return the folder."""
-        from ament_index_python import packages  # noqa: PLC0415  (comes with ROS)
-
-        return str(packages.get_package_share_directory(_text(self._package, context)))
-
-
-class ThisLaunchFileDir(Substitution):
-    """The folder of the launch file that has it."""
-
-    def perform(self, context: Context) -> str:
-        """Return it."""
-        return str(Path(context.file).absolute().parent)
-
-
-class IfCondition:
-    """Whether something of a launch file happens."""
-
-    wanted = True
-
-    def __init__(self, predicate_expression: Any) -> None:
-        self._expression = predicate_expression
-
-    def holds(self, context: Context) -> bool:
-        """Return whether it does."""
-        said = _text(self._expression, context).strip().lower()
-        if said not in (*YES, *NO):
-            raise Mistaken(f"a condition of the launch file says {said!r}; expected true or false")
-        return (said in YES) == self.wanted
-
-
-class UnlessCondition(IfCondition):
-    """Whether it does not."""
-
-    wanted = False
 
 
 class LaunchDescription:
@@ -277,7 +150,7 @@ class DeclareLaunchArgument(_Action):
         if self._name not in context.values:
             if self._default is None:
                 raise Mistaken(f"the launch argument {self._name!r} needs a default here")
-            context.values[self._name] = _text(self._default, context)
+            context.values[self._name] = text_of(self._default, context)
         value = context.values[self._name]
         if self._choices is not None and value not in self._choices:
             raise Mistaken(f"{self._name}:={value}: expected one of {', '.join(self._choices)}")
@@ -303,8 +176,8 @@ class IncludeLaunchDescription(_Action):
         """Carry it out with its arguments."""
         given = self._arguments.items() if isinstance(self._arguments, Mapping) else self._arguments
         for name, value in given or ():
-            context.values[_text(name, context)] = _text(value, context)
-        include(_text(getattr(self._source, "path", self._source), context), context)
+            context.values[text_of(name, context)] = text_of(value, context)
+        include(text_of(getattr(self._source, "path", self._source), context), context)
 
 
 class GroupAction(_Action):
@@ -349,7 +222,7 @@ class TimerAction(_Action):
 
     def act(self, context: Context) -> None:
         """Do them at once."""
-        after = _text(self._period, context)
+        after = text_of(self._period, context)
         context.notes.append(f"what starts after {after} s by TimerAction starts at once here")
         for each in self._actions:
             visit(each, context)
@@ -364,7 +237,7 @@ class PushROSNamespace(_Action):
 
     def act(self, context: Context) -> None:
         """Put it below the present one."""
-        context.namespace = _below(context.namespace, _text(self._namespace, context))
+        context.namespace = _below(context.namespace, text_of(self._namespace, context))
 
 
 class SetParameter(_Action):
@@ -376,7 +249,7 @@ class SetParameter(_Action):
 
     def act(self, context: Context) -> None:
         """Note it."""
-        context.parameters += tuple(_flat(self._given, context))
+        context.parameters += tuple(flat(self._given, context))
 
 
 class SetRemap(_Action):
@@ -388,7 +261,7 @@ class SetRemap(_Action):
 
     def act(self, context: Context) -> None:
         """Note it."""
-        source, target = (_text(each, context) for each in self._pair)
+        source, target = (text_of(each, context) for each in self._pair)
         context.remappings += ((source, target),)
 
 
@@ -401,7 +274,7 @@ class LogInfo(_Action):
 
     def act(self, context: Context) -> None:
         """Read it only."""
-        _text(self._said, context)
+        text_of(self._said, context)
 
 
 class Shutdown(_Action):
@@ -413,32 +286,6 @@ class Shutdown(_Action):
     def act(self, context: Context) -> None:
         """Refuse to end before anything has begun."""
         raise Unknown("Shutdown is known here only in Node(on_exit=Shutdown())")
-
-
-class ParameterValue:
-    """A parameter's value, and the type that a text becomes."""
-
-    def __init__(self, value: Any, *, value_type: Any = None) -> None:
-        self._value, self._type = value, value_type
-
-    def text(self, context: Context) -> str:
-        """Return it as YAML."""
-        if not _is_text(self._value) or self._type not in (str, int, float):
-            return _value(self._value, context)
-        return json.dumps(self._type(_text(self._value, context)))
-
-
-class ParameterFile(Substitution):
-    """A YAML file of parameters."""
-
-    def __init__(self, param_file: Any, *, allow_substs: Any = False) -> None:
-        if allow_substs:
-            raise Unknown("ParameterFile(allow_substs=True) is not read here")
-        self._file = param_file
-
-    def perform(self, context: Context) -> str:
-        """Return its path."""
-        return _text(self._file, context)
 
 
 class Node(_Action):
@@ -464,39 +311,39 @@ class Node(_Action):
 
     def act(self, context: Context) -> None:
         """Note its command line; another package's node is left out."""
-        package = _text(self._package, context) if self._package else context.package
-        executable = _text(self._executable, context)
+        package = text_of(self._package, context) if self._package else context.package
+        executable = text_of(self._executable, context)
         if not package:
             raise Unknown(f"Node(executable={executable!r}): name its package, too")
         if package not in context.packages:
             context.notes.append(f"{executable} of the package {package} is not started here")
             return
-        name = _text(self._name, context) if self._name is not None else ""
+        name = text_of(self._name, context) if self._name is not None else ""
         namespace = context.namespace
         if self._namespace is not None:
-            namespace = _below(namespace, _text(self._namespace, context)) or "/"
+            namespace = _below(namespace, text_of(self._namespace, context)) or "/"
         made: dict[str, str] = {}
         node = f"{namespace.rstrip('/')}/{name}" if name and namespace else ""
-        words = [_text(word, context) for word in self._ros_arguments]
+        words = [text_of(word, context) for word in self._ros_arguments]
         words += ["-r", f"__node:={name}"] if name else []
         words += ["-r", f"__ns:={namespace}"] if namespace else []
         for parameter, value in context.parameters:
             words += ["-p", f"{parameter}:={value}"]
         for given in self._parameters:
             if not isinstance(given, Mapping):
-                words += ["--params-file", _text(given, context)]
+                words += ["--params-file", text_of(given, context)]
             elif node and given:  # as in launch_ros, so that it goes before a file's lines for it
                 context.made += 1
                 words += ["--params-file", file := f"launch_params_{context.made}.yaml"]
-                made[file] = _yaml(node, _flat(given, context))
+                made[file] = _yaml(node, flat(given, context))
             else:
-                words += [w for pair in _flat(given, context) for w in ("-p", ":=".join(pair))]
+                words += [w for pair in flat(given, context) for w in ("-p", ":=".join(pair))]
         for pair in (*context.remappings, *self._remappings):
-            names = tuple(_text(name, context) for name in pair)
+            names = tuple(text_of(name, context) for name in pair)
             if any(NO_NAME.search(name) for name in names):
                 raise Mistaken(f"Node(remappings=…): {names}: {NAMES}")
             words += ["-r", ":=".join(names)]
-        first = [_text(word, context) for word in self._arguments]
+        first = [text_of(word, context) for word in self._arguments]
         ros = ["--ros-args", *words] if words else []
         context.started.append(Started(package, executable, (*first, *ros), self._needed, made))
 
@@ -519,37 +366,3 @@ def _below(base: str, namespace: str) -> str:
 def _yaml(node: str, parameters: Iterable[tuple[str, str]]) -> str:
     lines = [f"    {json.dumps(name)}: {value}" for name, value in parameters]
     return "\n".join([f"{json.dumps(node)}:", "  ros__parameters:", *lines, ""])
-
-
-def _flat(given: Mapping[Any, Any], context: Context) -> Iterator[tuple[str, str]]:
-    """Yield parameters with dotted names, and their values as the command line has them."""
-    for key, value in given.items():
-        name = _text(key, context)
-        if isinstance(value, Mapping):
-            yield from ((f"{name}.{inner}", text) for inner, text in _flat(value, context))
-        else:
-            yield name, _value(value, context)
-
-
-def _value(value: Any, context: Context) -> str:
-    if isinstance(value, ParameterValue):
-        return value.text(context)
-    if _is_text(value):
-        return _text(value, context) or '""'
-    return json.dumps(value)  # YAML reads what JSON writes
-
-
-def _is_text(value: Any) -> bool:
-    """Return whether a parameter's value is a text that is known only now."""
-    parts = value if isinstance(value, list | tuple) else [value]
-    return any(isinstance(part, Substitution) for part in parts)
-
-
-def _text(value: Any, context: Context) -> str:
-    if isinstance(value, Substitution):
-        return value.perform(context)
-    if isinstance(value, list | tuple):
-        return "".join(_text(part, context) for part in value)
-    if isinstance(value, str | os.PathLike | int | float):
-        return os.fspath(value) if isinstance(value, os.PathLike) else str(value)
-    raise Mistaken(f"a launch file has a {type(value).__name__} where a text belongs")

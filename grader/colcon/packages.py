@@ -27,7 +27,7 @@ from xml.etree import ElementTree
 import msgspec
 
 from grader.advice import hints
-from grader.colcon import launch_files, launch_stand_in
+from grader.colcon import launch_files, launch_stand_in, launch_texts
 from grader.colcon.frames import Executable, Launched, PackageRead, ReadPackage
 from grader.hosted.fields import sendable
 
@@ -368,7 +368,7 @@ def _ini() -> configparser.ConfigParser:
 def _is_ours(error: BaseException) -> bool:
     """Return whether a launch file is right, as far as is known, and only not read here."""
     frames = traceback.extract_tb(error.__traceback__)
-    in_ours = frames[-1].filename == launch_stand_in.__file__
+    in_ours = frames[-1].filename in (launch_stand_in.__file__, launch_texts.__file__)
     lacks = NOT_IN_OURS.search(str(error)) and isinstance(error, AttributeError | TypeError)
     mistaken = isinstance(error, launch_files.Mistaken)
     return isinstance(error, launch_files.Unknown) or (not mistaken and bool(in_ours or lacks))

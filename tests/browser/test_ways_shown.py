@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -41,6 +42,9 @@ def test_ways_are_shown_after_full_marks_and_asked_for_only_then(
     page.locator(".ws-way summary").first.press("Enter")
     changes = page.get_by_label(f"Changes in {SLUG}_agent.py").first
     assert "- STOP_DISTANCE = 0.5" in changes.inner_text()
+    assert not {'"""', "#"} & {*changes.inner_text().split()}  # code alone, and counted alike
+    count = re.search(r"Yours has (\d+) lines", page.locator(".ws-score").inner_text())
+    assert count and f"the reference has {count[1]}." in page.locator(".ws-way").first.inner_text()
     assert axe(page) == []
 
     state = page.context.storage_state()
