@@ -299,7 +299,7 @@ class Runtime:
         import msgspec
 
         from grader.course.exercises import find_exercise
-        from grader.drive.race import lap_of, loss_to, track_of
+        from grader.drive.race import lap_of, loss_to, too_near, track_of
         from grader.exercises import contract_of
 
         wanted = json.loads(order)
@@ -313,7 +313,7 @@ class Runtime:
                 for whose, other in beside.items()
                 if other["lap"]["of"] == lap.of and lap.figure is not None
             ]
-            told.append([lap, track_of(recording), lost])
+            told.append([lap, track_of(recording), [too_near(lap, contract), *lost]])
         return msgspec.json.encode(told).decode()
 
     def _grading(self, wanted: dict[str, Any]) -> Grading:

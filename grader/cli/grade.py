@@ -32,7 +32,7 @@ Examples:
 )
 @click.option("--field", is_flag=True, help="Run the field checks too (badge, no points).")
 @click.option("--only", multiple=True, metavar="CHECK", help="Run this check and what it needs.")
-@click.option("--seed", type=click.IntRange(0, 10**6), help="Vary worlds and noise.")
+@click.option("--seed", type=click.IntRange(0, 10**6), help="Vary worlds and noise, not sensors.")
 @click.option("--student", metavar="ID", help="Use this student's own worlds; needs --secret.")
 @click.option("--secret", type=click.Path(path_type=Path), help="File with the course's secret.")
 @click.option("--json", "json_", metavar="PATH|-", help="Write the result as JSON; -: to stdout.")

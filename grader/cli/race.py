@@ -61,12 +61,12 @@ def race(
     from grader import drive as driving  # noqa: PLC0415
     from grader.course.exercises import exercise_for  # noqa: PLC0415
     from grader.course.submission import find_submission  # noqa: PLC0415
-    from grader.drive.race import lap_of, loss_to, reference_laps, rules_of, worlds_of  # noqa: PLC0415
+    from grader.drive import race as racing  # noqa: PLC0415
     from grader.drive.standings import lap_rows, lines, wanted_at  # noqa: PLC0415
     from grader.exercises import contract_of  # noqa: PLC0415
 
     exercise = exercise_for(one_of(given[:-1], None), Path(given[-1]).name)
-    worlds, contract = worlds_of(exercise), contract_of(exercise)
+    worlds, contract = racing.worlds_of(exercise), contract_of(exercise)
     target = out or Path(f"race_{exercise.slug}.json")
     name, before = wanted_at(target, exercise, nickname)
     check_writable(report)
@@ -76,17 +76,19 @@ def race(
     with start_forkserver(exercise.libraries, portable=portable) as forkserver:
         scenarios = map(driving.scenario_for, worlds)
         recordings = [driving.drive_node(submission, each, forkserver) for each in scenarios]
-    laps = tuple(lap_of(recording, contract) for recording in recordings)
-    ghosts = reference_laps(exercise.slug)
+    laps = tuple(racing.lap_of(recording, contract) for recording in recordings)
+    ghosts = racing.reference_laps(exercise.slug)
     best = {"your best": before.laps} if before else {}
     reference = [ghosts[world][0] for world in worlds]
     echo(lines(lap_rows(exercise, {"yours": laps, **best, "reference": reference})))
     for recording, lap in zip(recordings, laps, strict=True):
-        if lap.ended:
-            echo(f"{lap.world}: not finished: {lap.ended}")
-        elif lost := loss_to("the reference", ghosts[lap.world][1], recording, contract):
-            echo(f"{lap.world}: {lost}")
-    echo(rules_of(exercise))
+        said = [f"not finished: {lap.ended}" if lap.ended else racing.too_near(lap, contract)]
+        if not lap.ended:
+            track = ghosts[lap.world][1]
+            said.append(racing.loss_to("the reference", track, recording, contract))
+        for text in filter(None, said):
+            echo(f"{lap.world}: {text}")
+    echo(racing.rules_of(exercise))
     if report is not None:
         tracks = {world: [("reference", ghosts[world][1])] for world in worlds}
         write_report(report, None, recordings, f"Race of {Path(given[-1]).name}", ghosts=tracks)

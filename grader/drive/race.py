@@ -29,6 +29,7 @@ from sim.clearance import FARTHEST
 from sim.scenario_files import tables_of
 
 ARRIVED = 0.5  # [m] from a goal, as the contract says it
+ASKED = 0.2  # [m] of clearance, by the checks of the tasks
 MOSTLY, LEAST = 0.6, 0.1  # of a loss: the part whose span is said, and the least that is [s], [m]
 EVERY = 10  # samples of the truth, which are 20 ms apart: a track has 5 Hz
 MOST_SAID = 100  # [characters] of why a race was not finished
@@ -79,7 +80,8 @@ def ranking_of(exercise: Exercise) -> str:
 def rules_of(exercise: Exercise) -> str:
     """Return in three lines what a finish is, what is too near, and how results are ranked."""
     contract = contract_of(exercise)
-    limits, asked = contract.limits, "" if contract.goals else "; the tasks' checks ask for 0.2 m"
+    limits = contract.limits
+    asked = "" if contract.goals else f"; the tasks' checks ask for {ASKED} m"
     turn = f" or {limits.turning:g} rad/s" if limits.turning else ""
     most = f"{limits.slowest:g} to {limits.fastest:g} m/s{turn}"
     return (
@@ -118,6 +120,13 @@ def track_of(recording: Recording) -> Track:
     truth = recording.truth
     columns = {"t": truth.t / 1e9, "x": truth.x, "y": truth.y, "yaw": truth.yaw}
     return {name: np.round(each[::EVERY], 2).tolist() for name, each in columns.items()}
+
+
+def too_near(lap: Lap, contract: Contract) -> str:
+    """Return that a drive was finished nearer to something than checks allow; "" if not."""
+    if contract.goals or lap.figure is None or lap.nearest is None or lap.nearest >= ASKED:
+        return ""
+    return f"finished, though {lap.nearest:.2f} m is less than the {ASKED} m of the tasks' checks"
 
 
 def loss_to(name: str, other: Track, recording: Recording, contract: Contract) -> str:

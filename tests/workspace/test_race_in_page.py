@@ -34,7 +34,7 @@ def test_the_page_and_the_command_have_the_same_figures_and_digests(
     for exercise, raced in zip(racing, said_by_page(tmp_path, orders), strict=True):
         driven = ghosts_of(exercise, forkserver).values()
         assert [laps for *laps, _ in raced] == [[each["lap"], each["track"]] for each in driven]
-        assert all(lost.endswith(" to x") for *_, (lost,) in raced)
+        assert all(lost.endswith(" to x") for *_, (_, lost) in raced)
 
 
 def worlds_of(exercise: Exercise) -> tuple[str, ...]:

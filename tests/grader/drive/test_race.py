@@ -17,7 +17,7 @@ from driven import drive_by
 from grader import cli
 from grader.authoring.ghosts import ghosts_of
 from grader.course.exercises import all_exercises, find_exercise
-from grader.drive.race import GHOSTS, lap_of, loss_to, reference_laps, track_of
+from grader.drive.race import GHOSTS, lap_of, loss_to, reference_laps, too_near, track_of
 from grader.drive.standings import class_rows, read_result, standings
 from grader.exercises import contract_of
 from grader.recording import Outcome, Recording
@@ -51,6 +51,9 @@ def made(world: str, speed: float = 0.1, goal: tuple[float, float] | None = None
 def test_figures_are_those_that_one_computes_by_hand() -> None:
     lap = lap_of(made("avoid_cart"), contract_of(FIRST))
     assert (lap.figure, lap.nearest, lap.median, lap.ended) == (0.3, 0.3, 0.5, "")
+    assert too_near(lap, contract_of(FIRST)) == ""
+    near = msgspec.structs.replace(lap, nearest=0.19)
+    assert too_near(near, contract_of(FIRST)).startswith("finished, though 0.19 m is less than")
     assert lap.acceleration == 0.75  # of 0.5, 1, 0 and -1 m/s²: the root of 2.25 / 4
     assert lap.turning == 0.5  # of 0, 1, 0 and 0 rad/s²
     lap = lap_of(made("goal_behind", goal=(0.8, 0.0)), contract_of(THIRD))
