@@ -147,6 +147,10 @@ def _object(value: Any, depth: int) -> str:
     cls, name = type(value), class_name(value)
     is_message = type(of_class(value, MESSAGE_FIELDS)) is dict
     fields = _in_order(value)
+    if is_message and name == "Time":
+        kept = [each for _, each in _in_order(value)]
+        if len(kept) == 2 and all(type(each) is int for each in kept):
+            return f"{kept[0] + kept[1] / 1e9:.3f} s"
     if cls is types.BuiltinFunctionType:
         return sendable(value.__name__)
     if issubclass(cls, np.generic) and _module(cls) == "numpy":

@@ -13,20 +13,6 @@ from typing import Protocol, TypeAlias, TypeVar
 import msgspec
 
 from rclpy_virtual_time.host import frames
-from rclpy_virtual_time.host.frames import (
-    Carried,
-    Ended,
-    FromScript,
-    Run,
-    Script,
-    Start,
-    Task,
-    ToHost,
-    ToJudge,
-    decode_from_script,
-    decode_to_judge,
-    encode,
-)
 from rclpy_virtual_time.link import exchange
 from rclpy_virtual_time.link.exchange import Answer, Cost, HostForged, decoded, status_text
 from rclpy_virtual_time.link.log import LogLine
@@ -36,7 +22,9 @@ READ_EVERY = 16  # exchanges: what the host has printed
 
 Result = TypeVar("Result")
 # Yields what to send and the wall time for the answer [s]; gets the answer and what it cost.
-Conversation = Generator[tuple[Start | Run, float], tuple[ToJudge, Cost], Result]
+Conversation = Generator[
+    tuple[frames.Start | frames.Run, float], tuple[frames.ToJudge, Cost], Result
+]
 
 
 class Transport(Protocol):
@@ -103,23 +91,23 @@ class Link:
             result: Result = end.value
             return result
 
-    def run(self, frame: Start | Run, limit: float) -> tuple[ToJudge, Cost]:
+    def run(self, frame: frames.Start | frames.Run, limit: float) -> tuple[frames.ToJudge, Cost]:
         """Run the student's file up to the point where it waits, or let the node go on.
 
         It raises as `Transport.exchange` does; limit [s] is of wall time.
         """
-        return self._exchange(frame, limit, decode_to_judge)
+        return self._exchange(frame, limit, frames.decode_to_judge)
 
     def run_script(
         self, file: Path, arguments: tuple[str, ...], seed: int, limit: float
-    ) -> tuple[Ended, Cost]:
+    ) -> tuple[frames.Ended, Cost]:
         """Run a program that returns, in real time; it raises as `run` does.
 
         `seed` is that of `random` and of numpy's generator, below 2**32.
         """
-        script = Script(str(file), arguments, seed)
-        answer, cost = self._exchange(script, limit, decode_from_script)
-        if not isinstance(answer, Ended):
+        script = frames.Script(str(file), arguments, seed)
+        answer, cost = self._exchange(script, limit, frames.decode_from_script)
+        if not isinstance(answer, frames.Ended):
             raise HostForged("an answer to another order")
         return answer, cost
 
@@ -131,21 +119,21 @@ class Link:
         Its launcher has to have imported the module ("module:function"), as one of its libraries.
         It raises as `run` does.
         """
-        task = Task(function, msgspec.msgpack.encode(order))
+        task = frames.Task(function, msgspec.msgpack.encode(order))
         said, cost = self._carry_out(task, limit)
-        if not isinstance(said, Carried):
+        if not isinstance(said, frames.Carried):
             raise HostForged("an answer to another order")
         return decoded(said.data, msgspec.msgpack.Decoder(answer).decode), cost
 
-    def _carry_out(self, task: Task, limit: float) -> tuple[FromScript, Cost]:
-        return self._exchange(task, limit, decode_from_script)
+    def _carry_out(self, task: frames.Task, limit: float) -> tuple[frames.FromScript, Cost]:
+        return self._exchange(task, limit, frames.decode_from_script)
 
     def _exchange(
-        self, frame: ToHost, limit: float, decode: Callable[[bytes], Answer]
+        self, frame: frames.ToHost, limit: float, decode: Callable[[bytes], Answer]
     ) -> tuple[Answer, Cost]:
         self._host.expect_silence()
-        self.stdout.limit = self.stderr.limit = frame.until if isinstance(frame, Run) else 0
-        body, cost = self._host.exchange(encode(frame), limit)
+        self.stdout.limit = self.stderr.limit = frame.until if isinstance(frame, frames.Run) else 0
+        body, cost = self._host.exchange(frames.encode(frame), limit)
         self._exchanges += 1
         if self._exchanges % READ_EVERY == 0:
             self._host.read_output()
