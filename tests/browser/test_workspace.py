@@ -334,6 +334,9 @@ def test_axe_has_nothing_against_a_failing_workspace(
     page = open_workspace(color_scheme=scheme, viewport={"width": width, "height": 800})
     check(page, "import nothing_of_that_name\n")
     assert axe(page) == []
+    page.locator(".ws-tabs button").first.dispatch_event("click")  # on a phone
+    page.get_by_role("button", name="Task").click()
+    assert axe(page) == []
 
 
 def test_the_editor_knows_messages_and_nodes(open_workspace: Any) -> None:

@@ -338,7 +338,9 @@ export class Exercise extends Workspace {
   showTask() {
     const text = document.querySelector('article').cloneNode(true);
     text.querySelectorAll('.workspace-block, .headerlink').forEach((part) => part.remove());
+    text.removeAttribute('role'); // there is one main
     text.querySelectorAll('[id]').forEach((part) => part.removeAttribute('id'));
+    text.querySelectorAll('pre').forEach((part) => { part.tabIndex = 0; });
     text.querySelectorAll('a').forEach((link) => { link.target = '_blank'; });
     [this.hand, this.look].forEach(({ element }) => { element.hidden = true; });
     this.replay.replaceChildren(el('div', { class: 'ws-task', tabindex: 0, 'aria-label': 'The task' }, text));
