@@ -482,6 +482,12 @@ def test_what_is_typed_during_a_check_is_not_checked(open_workspace: Any) -> Non
     type_in(page, "# changed\n")
     assert settle(page) == "100 of 100 points."
     assert page.locator(".ws-stale").is_visible()
+    type_in(page, "raise ValueError\n")
+    page.keyboard.press("Control+Shift+Enter")
+    page.locator("dialog.workspace[aria-busy=true]").wait_for()
+    type_in(page, "\n# one\n# two")
+    assert settle(page).startswith("0 of 100")
+    assert page.locator(".cm-activeLine").inner_text() == "# two"  # the cursor stays
 
 
 def test_several_files_are_kept_marked_and_reset_one_by_one(

@@ -61,7 +61,7 @@ export function makeEditor({ parent, text, label, onChange, words }) {
     set text(value) {
       view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: value } });
     },
-    mark(line, message, severity) { // an "info" leaves what is wrong marked
+    mark(line, message, severity, moves) { // an "info" leaves what is wrong marked
       const kept = [];
       if (severity === 'info') forEachDiagnostic(view.state, (each, from, to) => kept.push({ ...each, from, to }));
       const wrong = kept.filter((each) => each.severity !== 'info');
@@ -72,7 +72,7 @@ export function makeEditor({ parent, text, label, onChange, words }) {
       const { from: start, to, text: code } = view.state.doc.line(line);
       const from = start + code.search(/\S|$/);
       view.dispatch(setDiagnostics(view.state, [...wrong, { from, to, severity, message }]));
-      const wants = severity === 'error' ? { selection: { anchor: from } } : {}; // a look elsewhere leaves the cursor
+      const wants = moves && severity === 'error' ? { selection: { anchor: from } } : {}; // a look elsewhere leaves the cursor
       view.dispatch({ ...wants, effects: EditorView.scrollIntoView(from, { y: 'center' }) });
     },
     focus() { view.focus(); },

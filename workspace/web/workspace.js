@@ -416,7 +416,7 @@ export class Workspace {
 
   markLine(line, message, file = this.file, severity = 'error') {
     this.showFile(file);
-    this.editor.mark(line, message, severity);
+    this.editor.mark(line, message, severity, this.stale.hidden); // a cursor in other text stays
   }
 
   unmark(severity) { Object.values(this.editors).forEach((editor) => editor.mark(0, '', severity)); }
