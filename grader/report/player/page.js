@@ -55,6 +55,7 @@ function followFrame({ data }) {
   else delete root.dataset.theme;
   document.dispatchEvent(new CustomEvent('themechange'));
   const say = (news) => parent.postMessage({ ...news, duration: window.replayPlayer.duration, run: window.replayPlayer.run }, '*');
+  if (hands) root.dataset.heard = 'true';
   if (hands) window.replayPlayer?.tell((at) => say({ at }), (place) => say({ place }));
   if (Number.isFinite(from)) goOn(from, stays);
   else if (play) playSmall(new Set(['play']));
@@ -269,7 +270,9 @@ function buildPage(page, payload) {
   if (payload.small) playSmall(payload.small);
   foldIfNarrow(page);
   window.addEventListener('message', followFrame);
-  window.addEventListener('keydown', ({ ctrlKey, key, shiftKey }) => { // the workspace's own
+  window.addEventListener('keydown', (event) => { // the workspace's own
+    const { ctrlKey, key, shiftKey } = event;
+    if (key === 'F6' && document.documentElement.dataset.heard === 'true') event.preventDefault(); // the browser's own bars
     if (key === 'F6' || (ctrlKey && key === 'Enter')) parent.postMessage({ pressed: { ctrlKey, key, shiftKey } }, '*');
   });
 }
