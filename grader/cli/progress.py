@@ -86,8 +86,9 @@ def read_progress(file: Path) -> Progress:
     except (ValueError, RecursionError) as error:
         came = f"a damaged or newer one ({error}); save it again where it was made"
         if b'"course-progress"' not in data:
-            start = readable(data[:30].decode(errors="replace")).strip()
-            came = f"one that begins with “{start}”; choose another"
+            start = readable(data[:30].decode(errors="ignore")).strip()
+            came = f"one that begins with “{start}”; choose another" if data else "an empty one"
+            came = "one that is no text; choose another" if b"\0" in data else came
     raise InputError(
         f"{file}: expected a file that the page's *Progress* or `course progress --export` has "
         f"saved, got {came}"

@@ -115,7 +115,7 @@ def _keep(target: Path, made: tuple[Any, ...], before: Result | None, code: byte
     target.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1) + b"\n")
     echo(f"Result, by the nickname {result.nickname}: {target}")
     with contextlib.suppress(OSError):  # nothing hangs on it
-        place = history().with_name(f"race_{result.exercise}.py")
+        place = history().with_name(f"race_{result.exercise}_{target.stem}.py")
         replace(place, code)
         echo(f"Its code, for you to go back to: {place}")
 
@@ -134,6 +134,8 @@ def _class_table(folder: Path, csv: Path | None) -> int:
         echo(f"{exercise.title}\n{lines(rows, left=2)}\n{rules_of(exercise)}")
     for text in said or ([] if found else ["no results"]):
         echo(text)
+    if found:
+        echo("Figures are as the files claim them: `course race` with a student's node tells.")
     if csv is not None:
         for slug, rows in tables.items():
             rows[0][0] = ranking_of(find_exercise(slug))

@@ -124,6 +124,9 @@ def test_what_is_no_work_is_not_saved(here: Path, capsys: pytest.CaptureFixture[
     capsys.readouterr()
     assert progress("no progress", "--export") == 2
     assert "got one that begins with “no progress”; choose another" in capsys.readouterr().err
+    for other, words in (("", "got an empty one"), ("\x89PNG\0", "got one that is no text")):
+        assert progress(other) == 2
+        assert words in capsys.readouterr().err
     assert progress(json.dumps(saved())[:-1]) == 2
     assert "; save it again where it was made" in capsys.readouterr().err
     assert progress("no progress", "--export") == 2

@@ -63,8 +63,8 @@ export async function race(workspace) {
   if (workspace.judged !== text) Object.values(workspace.rows).forEach(({ fill }) => fill(null)); // of another text
   workspace.speakOf(text);
   const finished = rows.map(({ lap }) => lap.figure).filter((figure) => figure !== null);
-  const sum = finished.reduce((all, figure) => all + figure, 0);
-  shelf.add(text, `race: ${finished.length} of ${rows.length}, ${sum.toFixed(2)} ${plan.unit}`);
+  const sum = finished.reduce((all, figure) => all + figure, 0).toFixed(2);
+  shelf.add(text, `race: ${finished.length} of ${rows.length}${finished.length ? `, ${sum} ${plan.unit}` : ''}`);
   workspace.listVersions();
   workspace.score.replaceChildren(table(rows, plan), el('p', { class: 'ws-note' }, `${WHAT[plan.unit]} ${plan.rules} ${MORE}`),
     finished.length ? form(workspace, rows, finished) : el('p', {}, 'No world was finished, so there is no result to save.'));

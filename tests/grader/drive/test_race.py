@@ -208,6 +208,8 @@ def test_a_race_through_the_command(race: Callable[..., tuple[int, str]], tmp_pa
     faster = read_result(out)
     node.write_text(text, "utf-8")
     assert "has your best, and stays as it is" in race(*named)[1]
+    assert str(kept) not in race(1, node, "--nickname", "Bob", "--out", tmp_path / "b.json")[1]
+    assert kept.read_bytes() != node.read_bytes()
     code, said = race(1, node, "--nickname", "Bob", "--out", out)
     assert (code, read_result(out)) == (2, faster)
     assert "another's result" in said
