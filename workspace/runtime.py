@@ -151,9 +151,10 @@ class Runtime:
         perhaps a `seed` and a `lead` [ns], whether to `interrupt`, and whether to `tell`: to do as
         `course drive` does, and say what that prints; and what a person does meanwhile, `deeds`
         (`grader.drive.by_hand`): the file of the scenario with them is kept, too. With moments to
-        `look` into [s] the answer has their `tables`. Of an `exercise` it is printed whether the
-        least is kept that it asks for in any world. `{"lead": …}` in the answer: the same again in
-        a fresh copy, with this lead and what has been kept.
+        `look` into [s] the answer has their `tables`, of a `callback` if one is named. Of an
+        `exercise` it is printed whether the least is kept that it asks for in any world.
+        `{"lead": …}` in the answer: the same again in a fresh copy, with this lead and what has
+        been kept.
         """
         from grader.drive import scenario_for, tables_of
         from grader.trial.seeds import mixed_seed, trial_seed
@@ -188,7 +189,7 @@ class Runtime:
             return json.dumps({"lead": early.lead})
         told = {}
         if "look" in wanted:
-            told["tables"] = tables_of(recording, wanted["look"])
+            told["tables"] = tables_of(recording, wanted["look"], wanted.get("callback", ""))
         elif tells:
             told = {"printed": _summary(recording, submission), "hand": self._knobs.of(recording)}
             if "exercise" in wanted:
@@ -244,7 +245,8 @@ class Runtime:
         told: dict[str, Any] = {"printed": printed.getvalue()}
         if made:
             told |= {"hand": self._knobs.of(made[0]), **self._kept(made[0])}
-            told["tables"] = drive.tables_of(made[0], wanted.get("look", ()))
+            moments = (wanted.get("look", ()), wanted.get("callback", ""))
+            told["tables"] = drive.tables_of(made[0], *moments)
         return json.dumps(told)
 
     def _scenario(self, wanted: dict[str, Any]) -> str:

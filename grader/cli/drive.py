@@ -41,7 +41,7 @@ class Elsewhere:
 
 @click.command(epilog=EXAMPLES)
 @click.argument("file", metavar="FILE|FOLDER", type=click.Path(path_type=Path))
-@click.option("--scenario", metavar="NAME|PATH", help="A scenario or its TOML file.")
+@click.option("--scenario", metavar="NAME|PATH", help="A scenario or its TOML file. Needed.")
 @click.option("--lidar", metavar="PROFILE", help="default, lds01, lds02 or wide.")
 @click.option("--duration", type=click.FloatRange(0.1, 3600), metavar="S", help="Simulated time.")
 @click.option(
@@ -71,6 +71,7 @@ class Elsewhere:
     "node kept, what it sent and its locals there; of several programs each one's. Given twice: "
     "side by side.",
 )  # fmt: skip
+@click.option("--callback", default="", metavar="NAME", help="With --at: of this function.")
 @click.option(
     "--log", "log", metavar="N|all", default="10", help="Lines of what the node said to show."
 )
@@ -92,6 +93,7 @@ def drive(
     env: tuple[str, ...],
     charge_compute: bool,
     at: tuple[float, ...],
+    callback: str,
     log: str,
     seed: int | None,
     report: Path | None,
@@ -128,6 +130,8 @@ def drive(
     if text and typed:
         raise InputError("--stdin and --keys: expected one of them; a node has one stdin")
     driving.check_moments(at, chosen)
+    if callback and not at:
+        raise InputError("--callback NAME: expected --at S with it, the moment to look at")
     if at and charge_compute:
         raise InputError("--at and --charge-compute: expected one; looking takes CPU time, too")
     if log != "all" and not log.isdecimal():
@@ -175,7 +179,7 @@ def drive(
     )  # fmt: skip
     for said in submission.account():
         echo(textwrap.fill(f"  {said}", 80, subsequent_indent="  ", break_on_hyphens=False))
-    driving.print_moments(recording, at)
+    driving.print_moments(recording, at, callback)
     if report is not None:
         write_report(report, None, [recording], f"Drive of {file.name}")
     outcome = recording.outcome

@@ -17,6 +17,7 @@ from sim.scenario import Scenario
 
 LIVE = "No moment can be looked into: in real time another run would be another."
 NOTHING = "Nothing of the node had run by {}."
+NO_SUCH = "{}: expected a function that had run by then, such as {}."
 CALLED_BY = {
     "subscription": "a message on {}",
     "timer": "its timer of {}",
@@ -36,13 +37,16 @@ Key = tuple[int, str, str]  # where a row stands, its part, its name
 Cell = tuple[str, bool]  # a text, and whether the callback changed it
 
 
-def tables_of(recording: Recording, at: Sequence[float]) -> list[dict[str, Any]]:
-    """Return a table for each program: `title`, `columns`, `place`, and `rows`.
+def tables_of(
+    recording: Recording, at: Sequence[float], callback: str = ""
+) -> list[dict[str, Any]]:
+    """Return a table for each program: `title`, `columns`, `place`, `functions`, and `rows`.
 
     A row has the `part` of the table, a `name`, a text for each of the moments `at` [s], and
     whether it is `marked`: what is different between two moments; of one, what the callback
     changed. The earlier moment is first, with the callback that began last by then; of the later
-    it is the same one's last. `place` is that of its function: "node.py, line 12".
+    it is the same one's last. `place` is that of its function: "node.py, line 12". Where a function
+    of the name `callback` is among those that ran, `functions`, the table is about that one.
     """
     at = sorted(at)
     asked = [asked_at(time, recording.scenario) for time in at]
@@ -53,13 +57,16 @@ def tables_of(recording: Recording, at: Sequence[float]) -> list[dict[str, Any]]
             [each for file, each in recording.moments if file == program and each.asked == time]
             for time in asked
         ]
-        place = next(each[-1].place for each in by_time if each)
+        ran = [moment.place for each in by_time for moment in reversed(each)]
+        place = next((each for each in ran if each.function == callback), ran[0])
         cells = [dict(_cells(each, place)) for each in by_time]
         names = sorted(dict.fromkeys(key for each in cells for key in each), key=lambda key: key[0])
         rows = [_row(key, [each.get(key, ("", False)) for each in cells]) for key in names]
         columns = [f"last by {time:.2f} s" for time in at]
         title = f"What ran in {program}" if len(programs) > 1 else "What ran"
-        tables.append({"title": title, "columns": columns, "place": place.line, "rows": rows})
+        functions = list(dict.fromkeys([place.function, *(each.function for each in ran)]))
+        named = {"title": title, "columns": columns, "place": place.line, "functions": functions}
+        tables.append({**named, "rows": rows})
     return tables
 
 
@@ -126,10 +133,14 @@ def _locals(order: int, part: str, places: Sequence[Any]) -> Iterator[tuple[Key,
             yield (order, part, f"{value.name} in {place.function}"), (value.text, False)
 
 
-def print_moments(recording: Recording, at: Sequence[float]) -> None:
-    """Print what ran by each of these times [s], side by side."""
-    tables = tables_of(recording, at)
+def print_moments(recording: Recording, at: Sequence[float], callback: str = "") -> None:
+    """Print what ran by each of these times [s], side by side; of a `callback`, if it is named."""
+    tables = tables_of(recording, at, callback)
     console = Console(highlight=False)
+    functions = list(dict.fromkeys(name for table in tables for name in table["functions"]))
+    if callback and functions and callback not in functions:
+        known = escape(readable(NO_SUCH.format(callback, ", ".join(functions))))
+        console.print(f"  {known}", soft_wrap=True)
     if at and not tables:
         console.print(f"  {LIVE if recording.live else NOTHING.format(f'{max(at):.2f} s')}")
     for table in tables:

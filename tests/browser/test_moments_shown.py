@@ -68,8 +68,13 @@ def test_two_moments_of_a_drive_stand_side_by_side(
     assert len(told(page)["* pose"]) == 2
     assert told(page)["Called by"] == ["a message on /odom"] * 2
     assert axe(page) == []
+    page.get_by_label("Function").select_option("control_callback")
+    page.locator(".ws-tables td", has_text="control_callback of").first.wait_for()
+    assert told(page)["Called by"] == ["its timer of 0.1 s"] * 2
+    page.get_by_label("Function").select_option("odom_callback")
+    page.locator(".ws-tables td", has_text="odom_callback of").first.wait_for()
     type_in(page, "pass")  # what is looked into is the run that was made
-    at(page, 3.01)
+    page.get_by_label("Time to look at").fill("3.01")
     page.get_by_role("button", name="Look at 3.01 s").click()
     page.locator(".ws-tables th", has_text="by 3.01 s").wait_for()
     assert "odom_callback" in told(page)["Function"][0]

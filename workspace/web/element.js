@@ -11,3 +11,23 @@ export function el(tag, properties = {}, ...children) {
   element.append(...children.flat().filter((child) => child !== null && child !== undefined && child !== ''));
   return element;
 }
+
+/** A moment of the replay [s], which a slider or a number chooses: `go` is told which. */
+export class Moment {
+  constructor(label, go) {
+    const choose = ({ target }) => { if (target.validity.valid && target.value !== '') go(target.valueAsNumber); };
+    this.slider = el('input', { type: 'range', min: 0, step: 0.1, 'aria-label': `Moment ${label} [s]`, oninput: choose });
+    this.number = el('input', { type: 'number', min: 0, step: 0.01, 'aria-label': `Time ${label} [s]`, oninput: choose });
+    this.element = el('div', { class: 'ws-moment' }, 'At [s]', this.number, this.slider);
+  }
+
+  get end() { return Number(this.slider.max); }
+
+  set end(duration) { this.slider.max = this.number.max = duration; }
+
+  /** Show where the replay stands, unless somebody is choosing. */
+  set at(moment) {
+    if (!this.slider.matches(':active')) this.slider.value = moment;
+    if (!this.number.matches(':focus')) this.number.value = moment.toFixed(2);
+  }
+}

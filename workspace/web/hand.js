@@ -3,7 +3,7 @@
 // and the replay goes on from there.
 
 import { hasStacks } from './able.js';
-import { el } from './element.js';
+import { el, Moment } from './element.js';
 
 const FIRST = 0.5; // [s] by then programs have found each other
 const COVERED = 1; // [s]
@@ -33,17 +33,16 @@ export class Hand {
     Object.assign(this, { act, save, say, commandOf });
     this.deeds = this.settled = this.there = [];
     this.at = 0;
-    [this.moment, this.can] = [el('span', {}), el('span', { class: 'ws-can' })];
-    this.slider = el('input', { type: 'range', min: 0, step: 0.1, 'aria-label': 'Moment of the replay [s]',
-      oninput: () => {
-        this.update(this.slider.valueAsNumber);
-        seek(this.at);
-      } });
+    [this.now, this.can] = [el('span', {}), el('span', { class: 'ws-can' })];
+    this.moment = new Moment('of the replay', (at) => {
+      this.update(at);
+      seek(at);
+    });
     this.body = el('div', { class: 'ws-hand-body' });
     this.element = el('details', { class: 'ws-below ws-hand', 'data-pane': 'replay', name: 'ws-below', hidden: true },
-      el('summary', {}, 'By hand', this.moment, this.can),
+      el('summary', {}, 'By hand', this.now, this.can),
       el('p', { class: 'ws-since' }, 'Your code has changed since. What you do here drives the changed code.'),
-      el('div', { class: 'ws-moment' }, this.slider), this.body);
+      this.moment.element, this.body);
   }
 
   /** What was done belongs to a drive, called by its words: in another, nothing has been done yet. */
@@ -71,7 +70,7 @@ export class Hand {
 
   /** Where the replay stands, or where somebody clicked on its map. */
   hear({ at, duration, place: there }) {
-    if (Number.isFinite(duration)) this.slider.max = duration;
+    if (Number.isFinite(duration)) this.moment.end = duration;
     if (Number.isFinite(at)) this.update(at);
     if (Array.isArray(there) && there.length === 2 && there.every(Number.isFinite)) {
       this.there.forEach((field, i) => { field.value = there[i].toFixed(2); });
@@ -134,8 +133,8 @@ export class Hand {
   /** Show what holds at a moment; what somebody is at in a field stays. */
   update(at = this.at) {
     this.at = at;
-    this.moment.textContent = `, at ${at.toFixed(2)} s`;
-    if (!this.slider.matches(':active')) this.slider.value = at;
+    this.now.textContent = `, at ${at.toFixed(2)} s`;
+    this.moment.at = at;
     for (const each of this.knobs ?? []) {
       const { field, slider, now, values } = each;
       const value = values.findLast(([t]) => t <= at + 1e-6)?.[1] ?? '';
@@ -187,7 +186,7 @@ export class Hand {
   }
 
   do(deed) {
-    if (!deed.box && this.slider.max && this.at > this.slider.max - 0.005) return this.say('The run is over: go to a moment before its end.');
+    if (!deed.box && this.moment.end && this.at > this.moment.end - 0.005) return this.say('The run is over: go to a moment before its end.');
     const now = Number(Math.max(FIRST, this.at).toFixed(2));
     const made = { at: deed.box ? 0 : now, ...deed };
     return this.redo([...this.deeds, made], made);

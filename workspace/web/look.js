@@ -1,6 +1,6 @@
 // What ran at a moment of the replay: the run is made again, the same, and Python says what its callback did.
 
-import { el } from './element.js';
+import { el, Moment } from './element.js';
 
 const MARKED = ['* changed by the callback.', '* different.'];
 
@@ -11,16 +11,15 @@ export class Look {
    */
   constructor({ run, mark, seek }) {
     Object.assign(this, { run, mark, seek, at: 0, number: 0 });
-    this.moment = el('span', {});
+    this.by = el('span', {});
+    this.moment = new Moment('to look at', seek);
     this.button = el('button', { type: 'button', onclick: () => this.look([this.at]) });
     this.beside = el('button', { type: 'button', onclick: () => this.look([this.shown[0], this.at]) });
-    this.slider = el('input', { type: 'range', min: 0, step: 0.1, 'aria-label': 'Moment to look at [s]',
-      oninput: () => seek(this.slider.valueAsNumber) });
     this.tables = el('div', { class: 'ws-tables', tabindex: 0, role: 'region', 'aria-label': 'What ran' });
     this.element = el('details', { class: 'ws-below ws-look', 'data-pane': 'replay', name: 'ws-below', hidden: true,
       ontoggle: () => { if (this.element.open && !this.shown) this.look([this.at]); } },
-      el('summary', {}, 'What ran here?', this.moment),
-      el('div', { class: 'ws-moment' }, this.slider),
+      el('summary', {}, 'What ran here?', this.by),
+      this.moment.element,
       el('p', { class: 'ws-since' }, 'Of the code as it was driven, with its line numbers. It has changed since: drive again.'),
       el('div', { class: 'ws-tools' }, this.button, this.beside), this.tables);
     this.update();
@@ -28,14 +27,14 @@ export class Look {
 
   /** Begin with other runs: of these nothing has been seen. */
   begin() {
-    [this.shown, this.element.hidden] = [null, false];
+    [this.shown, this.callback, this.element.hidden] = [null, '', false];
     this.tables.replaceChildren();
     this.update();
   }
 
   /** Where the replay stands, and which it is. */
   hear({ at, run, duration }) {
-    if (Number.isFinite(duration)) this.slider.max = duration;
+    if (Number.isFinite(duration)) this.moment.end = duration;
     if (!Number.isFinite(at) || !Number.isInteger(run)) return;
     if (run !== this.number) [this.number, this.shown] = [run, null];
     this.at = at;
@@ -43,16 +42,16 @@ export class Look {
   }
 
   update() {
-    this.moment.textContent = `, by ${this.at.toFixed(2)} s`;
+    this.by.textContent = `, by ${this.at.toFixed(2)} s`;
     this.button.textContent = `Look at ${this.at.toFixed(2)} s`;
     this.beside.hidden = !this.shown || Math.abs(this.shown[0] - this.at) < 0.005;
-    if (!this.slider.matches(':active')) this.slider.value = this.at;
+    this.moment.at = this.at;
     if (this.shown) this.beside.textContent = `Compare ${this.at.toFixed(2)} s with ${this.shown[0].toFixed(2)} s`;
   }
 
   async look(at) {
     this.seek(this.at); // and stay there
-    const tables = await this.run(this.number, at);
+    const tables = await this.run(this.number, at, this.callback);
     if (!tables) return; // something else was under way, or it was stopped
     this.shown = at;
     this.update();
@@ -61,9 +60,20 @@ export class Look {
     else this.tables.append(el('p', {}, `Nothing of the node had run by ${Math.max(...at).toFixed(2)} s.`));
   }
 
-  table({ title, columns, rows }) {
+  /** Choose among the functions that ran, where there are several. */
+  choose([shown, ...others]) {
+    const choose = ({ target }) => {
+      this.callback = target.value;
+      this.look(this.shown);
+    };
+    return others.length ? el('label', {}, 'Function ', el('select', { onchange: choose },
+      [shown, ...others].map((name) => el('option', {}, name)))) : '';
+  }
+
+  table({ title, columns, functions, rows }) {
     const parts = [...new Set(rows.map(({ part }) => part))];
     return [
+      this.choose(functions),
       el('p', { class: 'ws-note' }, `${MARKED[columns.length - 1]} Variables are gone once their function has returned.`),
       el('table', {}, el('caption', {}, title),
         el('thead', {}, el('tr', {}, el('td', {}), columns.map((text) => el('th', { scope: 'col' }, text)))),

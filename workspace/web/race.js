@@ -96,8 +96,9 @@ function form(workspace, rows, finished) {
     const { slug, course } = workspace.plan;
     const result = { course, exercise: slug, nickname: nickname.value.trim(), laps: rows.map(({ lap }) => lap) };
     if (!result.nickname) return workspace.say('A nickname has something that can be seen.');
-    workspace.save(`race_${slug}.json`, `${JSON.stringify(result, null, 1)}\n`, 'application/json');
-    return workspace.say(`Saved: race_${slug}.json, with ${finished.length} of ${rows.length} worlds, by the nickname “${result.nickname}”.`);
+    const file = `race_${slug}_${result.nickname.replace(/[^\p{L}\p{N}]+/gu, '_')}.json`;
+    workspace.save(file, `${JSON.stringify(result, null, 1)}\n`, 'application/json');
+    return workspace.say(`Saved: ${file}, with ${finished.length} of ${rows.length} worlds, by the nickname “${result.nickname}”.`);
   };
   return el('form', { class: 'ws-tools', onsubmit: save }, el('label', { for: 'ws-nickname' }, 'Nickname'), nickname,
     button('Save the result', () => {}, { type: 'submit' }),

@@ -354,8 +354,8 @@ export class Workspace {
     return [ended, recordings];
   }
 
-  /** Make a run of the replay again, to look into moments [s] of it; return what is told of them. */
-  async lookInto(number, at) {
+  /** Make a run of the replay again, to look into moments [s] of it, perhaps of one `callback`; return what is told of them. */
+  async lookInto(number, at, callback) {
     const made = this.runs[this.playing[number]];
     if (this.busy || !made) return undefined;
     const [call, order, text, kept] = made;
@@ -365,7 +365,7 @@ export class Workspace {
       try {
         const hand = await this.machine.ready();
         hand.doing = 'Once more, to look into it';
-        [{ tables }] = await this.run(hand, call, { ...order, look: at }, text, kept);
+        [{ tables }] = await this.run(hand, call, { ...order, look: at, callback }, text, kept);
       } finally {
         this.again = false;
       }

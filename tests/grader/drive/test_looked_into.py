@@ -250,6 +250,11 @@ def test_two_moments_show_one_function(tmp_path: Path, looker: ForkServer) -> No
     for at, began in ((0.62, "on_scan"), (0.75, "tick")):
         [table] = tables_of(recording, [at])
         assert table["rows"][0]["cells"][0].startswith(began)
+        for name in table["functions"]:
+            [of_one] = tables_of(recording, [at], name)
+            assert of_one["functions"][0] == name == of_one["rows"][0]["cells"][0].split()[0]
+        assert tables_of(recording, [at], "no_such") == [table]
+    assert set(table["functions"]) == {"on_scan", "tick"}
     [table] = tables_of(recording, [0.62, 0.75])
     rows = {row["name"]: row["cells"] for row in table["rows"]}
     marked = {row["name"] for row in table["rows"] if row["marked"]}
