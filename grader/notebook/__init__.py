@@ -68,6 +68,7 @@ def drive(
     duration: float | None = None,
     seed: int | None = None,
     at: float | Sequence[float] = (),
+    callback: str = "",
 ) -> None:
     """Run a node in one scenario, print what it did, and show the replay. Nothing is judged.
 
@@ -90,12 +91,15 @@ def drive(
         Varies world and noise.
     at
         A moment [s], or two: show what the node did last by then, as `course drive --at` does.
+    callback
+        Of which function to show that; by default of the one that began last.
     """
     from grader.notebook.judging import drive_file  # noqa: PLC0415
 
     drive_file(
-        scenario, file, lidar, goals=goals, params=params or {}, duration=duration, seed=seed, at=at
-    )
+        scenario, file, lidar, goals=goals, params=params or {}, duration=duration, seed=seed,
+        at=at, callback=callback,
+    )  # fmt: skip
 
 
 def check(

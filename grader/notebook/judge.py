@@ -96,7 +96,7 @@ def _drive(order: orders.Drive, launcher: Launcher) -> orders.Driven:
     with contextlib.redirect_stdout(io.StringIO()) as said:
         print_summary(recording, file=order.shown, seed=order.seed, practice=launcher.practice)
         print(*(f"  {sentence}" for sentence in submission.account()), sep="\n")
-        print_moments(recording, order.at)
+        print_moments(recording, order.at, order.callback)
     payload = page_payload(None, [recording], recording.scenario.title or recording.name)
     return orders.Driven(said.getvalue(), page_html({**payload, "embedded": True}))
 

@@ -29,6 +29,7 @@ def drive_file(
     duration: float | None,
     seed: int | None,
     at: float | Sequence[float],
+    callback: str,
 ) -> None:
     """See `grader.notebook.drive`."""
     try:
@@ -44,6 +45,7 @@ def drive_file(
             seed,
             _libraries(path),
             _moments(at),
+            str(callback),
         )
     except (InputError, GraderError) as error:
         tell(f"Not driven: {error}")

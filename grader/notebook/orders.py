@@ -22,6 +22,7 @@ class Drive(msgspec.Struct, frozen=True, tag="drive"):
     seed: int | None = None
     libraries: tuple[str, ...] = ()
     at: tuple[float, ...] = ()  # moments to look into [s]
+    callback: str = ""  # the function to show there
 
 
 class Grade(msgspec.Struct, frozen=True, tag="grade"):

@@ -39,15 +39,16 @@ def test_drive_says_what_course_drive_says(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     save(kernel, AGENT, RIGHT)
-    said = kernel.run(f"drive('demo_wall', at={at})")
+    said = kernel.run(f"drive('demo_wall', at={at}, callback={'tick' if at else ''!r})")
     monkeypatch.setenv("COLUMNS", "100")
     words = ["drive", str(folder / AGENT), "--scenario", "demo_wall"]
-    words += [word for time in at for word in ("--at", str(time))]
+    words += [word for time in at for word in ("--at", str(time), "--callback", "tick")]
     cli.main(words, standalone_mode=False)
     expected = capsys.readouterr().out.replace(str(folder / AGENT), AGENT)
     expected = expected.replace("--log all shows them all", "the replay shows them all")
     assert unmeasured(said.text) == unmeasured(expected)
     assert ("distance in scan_callback" in said.text) == bool(at)
+    assert ("tick: expected a function that had run by then" in said.text) == bool(at)
     assert said.stderr == ""
     (payload,) = replays(said)
     assert payload["grading"] is None

@@ -19,9 +19,8 @@ export class Look {
     this.element = el('details', { class: 'ws-below ws-look', 'data-pane': 'replay', name: 'ws-below', hidden: true,
       ontoggle: () => { if (this.element.open && !this.shown) this.look([this.at]); } },
       el('summary', {}, 'What ran here?', this.by),
-      this.moment.element,
       el('p', { class: 'ws-since' }, 'Of the code as it was driven, with its line numbers. It has changed since: drive again.'),
-      el('div', { class: 'ws-tools' }, this.button, this.beside), this.tables);
+      el('div', { class: 'ws-tools' }, this.moment.element, this.button, this.beside), this.tables);
     this.update();
   }
 
