@@ -86,6 +86,11 @@ def _said(note: Note, recording: Recording) -> str:
                 f"lost: {were} on {note.about}, published before anybody had found the publisher; "
                 "for a program's first node that takes 0.1 s"
             )
+        case "lifecycle" if more != "active" and many:
+            return (
+                f"{note.about} is in the state {more}, and what it publishes goes out all the "
+                "same: only its own on_activate and on_deactivate switch its lifecycle publishers"
+            )
         case "lifecycle" if more in MANAGED:
             return (
                 f"{note.about} waits in the state {more}: in a drive nobody calls, as on a robot, "

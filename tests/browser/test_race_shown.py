@@ -60,6 +60,7 @@ def test_a_result_is_saved_by_nickname_and_read_by_the_command(
     with page.expect_download() as download:
         page.get_by_label("Nickname").press("Enter")
     assert page.locator(".ws-status").inner_text().endswith("by the nickname “Ada L.”.")
+    assert download.value.suggested_filename == "race_goal_seeking_Ada_L.json"
     result = read_result(download.value.path())
     assert (result.exercise, result.nickname) == ("goal_seeking", "Ada L.")
     shipped = reference_laps("goal_seeking")

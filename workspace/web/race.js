@@ -96,7 +96,7 @@ function form(workspace, rows, finished) {
     const { slug, course } = workspace.plan;
     const result = { course, exercise: slug, nickname: nickname.value.trim(), laps: rows.map(({ lap }) => lap) };
     if (!result.nickname) return workspace.say('A nickname has something that can be seen.');
-    const file = `race_${slug}_${result.nickname.replace(/[^\p{L}\p{N}]+/gu, '_')}.json`;
+    const file = `${['race', slug, ...result.nickname.split(/[^\p{L}\p{N}]+/u).filter(Boolean)].join('_')}.json`;
     workspace.save(file, `${JSON.stringify(result, null, 1)}\n`, 'application/json');
     return workspace.say(`Saved: ${file}, with ${finished.length} of ${rows.length} worlds, by the nickname “${result.nickname}”.`);
   };

@@ -142,9 +142,11 @@ class Bridge:
                     yield Note("sim_time", node.get_fully_qualified_name(), count=0, more=clock)
             machine = node.__dict__.get("_state_machine")
             if isinstance(machine, rclpy_implementation.LifecycleStateMachine):
-                with contextlib.suppress(InvalidHandle):
+                with contextlib.suppress(Exception):  # as above
                     name, state = node.get_fully_qualified_name(), machine.current_state[1]
-                    yield Note("lifecycle", name, count=0, more=state)
+                    ends = node.__dict__["_managed_entities"]
+                    on = sum(getattr(each, "is_activated", False) is True for each in ends)
+                    yield Note("lifecycle", name, count=on, more=state)
 
     def contexts(self) -> list[Any]:
         """Return the contexts in which there are ends of topics."""
