@@ -93,6 +93,7 @@ def plan(exercise: Exercise) -> dict[str, Any]:
         "points": exercise.max_points,
         "checks": checks,
         "scenarios": {each.name: each.title for each in scenarios},
+        "first": next(each.name for each in scenarios if not each.node.stand_in),  # to drive in
         "field": {name: load_scenario(name).title for name in of_field},
         "race": {name: load_scenario(name).title for name in contract_of(exercise).race},
         "unit": unit_of(exercise),  # of the race's figures

@@ -335,14 +335,16 @@ class Runtime:
     def _kept(self, recording: Recording) -> dict[str, Any]:
         """Keep a recording; return its scenario, how it ended, and which programs had before."""
         from grader.checks.wiring import lines_of
+        from grader.drive import touched_of
         from grader.recording import ended_of
         from grader.recording.deaths import death_of
 
         self._place(recording.name).write_bytes(pickle.dumps((recording, self._lines)))
         outcome = recording.outcome
         where = lines_of(death_of(outcome.detail))
+        ended = [*ended_of(recording), *touched_of(recording)]
         return {"scenario": recording.name, "kind": outcome.kind, "text": outcome.text,
-                "where": where, "ended": ended_of(recording)}  # fmt: skip
+                "where": where, "ended": ended}  # fmt: skip
 
     def _load(self, scenario: str) -> tuple[Recording, Lines]:
         kept: tuple[Recording, Lines]

@@ -148,7 +148,7 @@ def reacts(answers: Sequence[tuple[Recording, Case]]) -> None:
         return
     spelled = ", ".join(f"{name} = {_shown(value)}" for name, value in usual) or "nothing"
     fail(
-        "the node says the same whatever it sees",
+        f"the node says {'nearly always ' if others else ''}the same whatever it sees",
         expected="an answer that depends on what comes in",
         actual=spelled + ("" if count == len(answers) else f" in {count} of {len(answers)}"),
         at=wrong[0][1].at,

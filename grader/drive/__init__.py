@@ -11,7 +11,7 @@ from grader.drive.node import (
     read_stdin,
     scenario_for,
 )
-from grader.drive.summary import IN_REPLAY, event_lines, print_summary
+from grader.drive.summary import IN_REPLAY, event_lines, print_summary, touched_of
 from grader.trial.packages import unpacked
 
 __all__ = [
@@ -29,5 +29,6 @@ __all__ = [
     "read_stdin",
     "scenario_for",
     "tables_of",
+    "touched_of",
     "unpacked",
 ]

@@ -24,6 +24,7 @@ NO_MAIN = (
     "nobody calls."
 )
 STAYS = "Should it have gone on? A node that waits for messages stays in rclpy.spin(node)."
+STAND_IN = "the course's own {} ran in place of your programs; other scenarios run yours"
 AT_ONCE = 0.01  # [s] in which a program ends that calls nothing
 ADVICE = "try: "  # before what the account of an exception ends with
 LAST_LINES = 12  # of a traceback
@@ -93,6 +94,12 @@ def _print_words(recording: Recording, console: Console, most: int | None, rest:
         console.print("  It said more than is kept.", style="yellow")
 
 
+def touched_of(recording: Recording) -> list[str]:
+    """Say in a sentence when the robot first touched something, if it did."""
+    touched = recording.truth.t[recording.truth.contact]
+    return [f"TOUCHED an obstacle at {t / 1e9:.1f} s" for t in touched[:1]]
+
+
 def event_lines(recording: Recording) -> list[str]:
     """Return the drive's events, a line each."""
     truth = recording.truth
@@ -104,6 +111,7 @@ def event_lines(recording: Recording) -> list[str]:
     ]
     if given := recording.scenario.node.parameters:
         lines.append(f"started with {', '.join(f'{name}:={given[name]}' for name in given)}")
+    lines += [STAND_IN.format(other)] if (other := recording.scenario.node.stand_in) else []
     lines += [f"WARNING: in real time, because {live.reason}"] if live and live.reason else []
     lines += [f"WARNING: the machine was too busy: {live.stall}"] if live and live.stall else []
     if len(truth.t):
@@ -118,9 +126,7 @@ def event_lines(recording: Recording) -> list[str]:
             else f"nearest to an obstacle: {truth.clearance[nearest]:.2f} m "
             f"at {truth.t[nearest] / 1e9:.1f} s",
         ]
-        touched = np.flatnonzero(truth.contact)
-        if len(touched):
-            lines.append(f"TOUCHED an obstacle at {truth.t[touched[0]] / 1e9:.1f} s")
+        lines += touched_of(recording)
     if not any(m.topic == CMD_VEL_TOPIC for m in recording.published):
         lines.append("the robot got no command: nothing was published on /cmd_vel")
     if recording.outcome.kind == "returned":

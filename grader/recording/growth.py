@@ -23,6 +23,11 @@ TIMES, RISE = 2.0, 0.001  # [s] so much more in the last part is no noise of the
 STEADY = -0.1, 0.6  # of the rise, at least and at most, from each part to the next
 ENDS = 10  # of one kind on one topic; more than anybody needs
 MANAGED = {"unconfigured": "configure", "inactive": "activate"}  # states: the way out
+WAITS = "{0} waits in the state {1}: nobody calls `ros2 lifecycle set {0} {2}`, as on a robot"
+GOES_ON = (
+    "{} is in the state {}, and what it publishes goes out all the same: only its own on_activate "
+    "and on_deactivate switch its lifecycle publishers"
+)
 UNDECLARED = "no node declares {}, so that has no effect; declared here: {}"
 OTHERWISE = (
     "{node} did not get what was asked for: {names}; `rclpy.init(args=…)`, `parameter_overrides` "
@@ -86,16 +91,8 @@ def _said(note: Note, recording: Recording) -> str:
                 f"lost: {were} on {note.about}, published before anybody had found the publisher; "
                 "for a program's first node that takes 0.1 s"
             )
-        case "lifecycle" if more != "active" and many:
-            return (
-                f"{note.about} is in the state {more}, and what it publishes goes out all the "
-                "same: only its own on_activate and on_deactivate switch its lifecycle publishers"
-            )
-        case "lifecycle" if more in MANAGED:
-            return (
-                f"{note.about} waits in the state {more}: in a drive nobody calls, as on a robot, "
-                f"`ros2 lifecycle set {note.about} {MANAGED[more]}`"
-            )
+        case "lifecycle" if more != "active" and (many or more in MANAGED):
+            return (GOES_ON if many else WAITS).format(note.about, more, MANAGED.get(more))
         case "lasts" if long:
             most = f" (the longest of {many})" if many > 1 else ""
             return f"{place} took {lasted:.1f} s from {at:.2f} s on{most}; meanwhile waited: {more}"

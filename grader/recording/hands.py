@@ -29,7 +29,8 @@ def deeds(recording: Recording) -> list[Deed]:
             parts = [] if text.endswith("?") else text.split(", ")
             time = float(at)
             found += [Deed(time, part, node, _answer(recording, time, part)) for part in parts]
-    return sorted((each for each in found if each.at <= recording.duration_s), key=lambda d: d.at)
+    found = [each for each in dict.fromkeys(found) if each.at <= recording.duration_s]
+    return sorted(found, key=lambda deed: deed.at)
 
 
 def _answer(recording: Recording, at: float, text: str) -> str:

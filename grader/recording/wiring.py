@@ -21,6 +21,7 @@ MEANT, LONG = 30, 60  # names that are compared, and how much of each: its end
 RATED = 1.0  # [s] that a node has to be there for a rate of its messages, and for missing ones
 MOST_NOTED = 490.0  # [Hz] a loop without a wait publishes more, and in real time 500 are noted
 DEMOS = "demo_"  # how the scenarios begin that are for any node
+TF = {"/tf", "/tf_static"}
 LIFECYCLE = "lifecycle_msgs/"  # the ends of such a node that rclpy makes in C: nobody sees them
 OF_ALL = ("describe_param", "get_param", "get_type_desc", "list_param", "set_param")  # services
 
@@ -89,6 +90,9 @@ class Wiring:
             return ""
         if meant := self._meant(end, "subscription"):
             return f"nobody listens here: {meant.node} listens to {meant.topic}"
+        given = [word for each in self._recording.scenario.program for word in each.arguments]
+        if any(word.endswith(f":={end.topic.rpartition('/')[2]}") for word in given):
+            return ""  # the scenario named it so, and runs a part of the programs
         if drives or alike:
             return f"nobody listens here: the robot takes {TWIST} on {CMD_VEL_TOPIC}"
         return ""
@@ -110,6 +114,8 @@ class Wiring:
         if end.topic in OFFERED:
             if self.lasted < RATED:
                 return ""  # it had no time to hear anything
+            if end.topic in TF and not TF.isdisjoint(sent):
+                return ""  # who listens to transforms listens to both
             hint = "; --goal X Y sends a goal" if end.topic == GOAL_TOPIC else _where(end.topic)
             return f"the robot sends nothing here in {recording.name}{hint}"
         if meant := self._meant(end, "publisher"):

@@ -15,11 +15,17 @@ export function el(tag, properties = {}, ...children) {
 /** A moment of the replay [s], which a slider or a number chooses: `go` is told which. */
 export class Moment {
   constructor(label, go) {
-    const choose = ({ target }) => { if (target.validity.valid && target.value !== '') go(target.valueAsNumber); };
+    const choose = ({ target }) => { if (this.isChosen(target)) go(target.valueAsNumber); };
+    const settle = () => {
+      if (!this.isChosen(this.number)) this.number.value = Math.min(Math.max(this.number.value, 0), this.end).toFixed(2);
+      go(this.number.valueAsNumber);
+    };
     this.slider = el('input', { type: 'range', min: 0, step: 0.1, 'aria-label': `Moment ${label} [s]`, oninput: choose });
-    this.number = el('input', { type: 'number', min: 0, step: 0.01, 'aria-label': `Time ${label} [s]`, oninput: choose });
+    this.number = el('input', { type: 'number', min: 0, step: 0.01, 'aria-label': `Time ${label} [s]`, oninput: choose, onchange: settle });
     this.element = el('div', { class: 'ws-moment' }, 'At [s]', this.number, this.slider);
   }
+
+  isChosen(input) { return input.validity.valid && input.value !== ''; }
 
   get end() { return Number(this.slider.max); }
 

@@ -50,6 +50,7 @@ export class Exercise extends Workspace {
       el('optgroup', { label: 'Scenarios of the checks' }, options(plan.scenarios)),
       Object.keys(plan.field).length ? el('optgroup', { label: 'Other sensors and networks' }, options(plan.field)) : '',
       el('optgroup', { label: 'To try things' }, options(demos)));
+    this.scenario.value = plan.first;
     this.seed = el('input', {
       id: 'ws-seed', type: 'number', min: 0, max: 1000000, placeholder: 'seed', 'aria-label': 'seed', title: 'For other worlds: a number, such as 7',
     });
@@ -292,8 +293,9 @@ export class Exercise extends Workspace {
   /** Save a world in which a check failed as a scenario of one's own. */
   keepWorld({ scenario, id }) {
     const title = JSON.stringify(`${this.plan.scenarios[scenario]}, where ${id} failed with seed ${this.chosen}`);
-    this.keepScenario(`${scenario}_seed${this.chosen}_${id}.toml`,
+    const file = this.keepScenario(`${scenario}_seed${this.chosen}_${id}.toml`,
       `title = ${title}\nextends = "${scenario}"\ntrial_seed = ${this.worlds[scenario]}\n`);
+    this.say(`Saved: ${file}, also below Your own in the list. A drive there shows what happens; Check with the seed ${this.chosen} judges it.`);
   }
 
   keepScenario(name, content) {

@@ -175,7 +175,7 @@ export class Hand {
   // --- what is done
 
   set({ node, name }, value) {
-    if (/\s|^$/.test(value)) this.say(`${name}: expected a value without spaces.`);
+    if (/\s|^$/.test(value)) this.say(`${name}: expected a value, without spaces.`);
     else this.do({ node, sets: `${name}:=${value}` });
   }
 

@@ -12,7 +12,12 @@ export class Look {
   constructor({ run, mark, seek }) {
     Object.assign(this, { run, mark, seek, at: 0, number: 0 });
     this.by = el('span', {});
-    this.moment = new Moment('to look at', seek);
+    this.moment = new Moment('to look at', (at) => {
+      this.at = at;
+      this.update();
+      seek(at);
+    });
+    this.moment.number.addEventListener('keydown', ({ key }) => { if (key === 'Enter') this.button.click(); });
     this.button = el('button', { type: 'button', onclick: () => this.look([this.at]) });
     this.beside = el('button', { type: 'button', onclick: () => this.look([this.shown[0], this.at]) });
     this.tables = el('div', { class: 'ws-tables', tabindex: 0, role: 'region', 'aria-label': 'What ran' });

@@ -32,7 +32,7 @@ function show(workspace, ways) {
   const changes = ({ files }) => Object.keys(mine).filter((name) => mine[name] !== files[name]);
   workspace.score.replaceChildren(
     el('p', {}, `Two others that differ much, with all points. Yours has ${Object.values(mine).reduce((sum, text) => sum + code(text).length, 0)} lines of code. `,
-      'Times are CPU’s, measured when this site was built. A browser measures none: `course drive` prints yours, as “Compute”.'),
+      'Times are the CPU’s, of the real rclpy, measured when this site was built; yours, from course drive, compare with them, and those of a browser don’t.'),
     ...ways.map((way, i) => el('section', { class: 'ws-way' },
       el('h3', {}, `${i + 1}. ${way.about}`),
       el('ul', {}, way.said.map((said) => el('li', {}, said))),

@@ -82,7 +82,7 @@ SAID = [
      "/managed waits in the state unconfigured: .* `ros2 lifecycle set /managed configure`"),
     ("managed = LifecycleNode('managed')\nmanaged.trigger_configure()\nspin(managed)",
      "/managed waits in the state inactive: .* /managed activate`"),
-    ("managed = LifecycleNode('managed')\nmanaged.create_lifecycle_publisher(Twist, '/cmd_vel', 1)\n"
+    ("managed = LifecycleNode('managed')\nmanaged.create_lifecycle_publisher(Twist, 'x', 1)\n"
      "managed.trigger_configure()\nmanaged.trigger_activate()\nmanaged.trigger_shutdown()\n"
      "spin(managed)", "/managed is in the state finalized, and what it publishes goes out"),
     ("managed = LifecycleNode('managed')\nmanaged.trigger_configure()\n"

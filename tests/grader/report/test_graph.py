@@ -7,10 +7,12 @@ import pytest
 from msgspec.structs import replace as changed
 from test_replay import drive
 
+from grader.drive import event_lines
 from grader.drive.topics import topic_lines
 from grader.recording import Endpoint, Recording
 from grader.report.graph import graph_html
 from grader.report.page import page_payload
+from sim.scenario_files import load_scenario
 
 SCAN, TWIST = "sensor_msgs/msg/LaserScan", "geometry_msgs/msg/Twist"
 HEARS = Endpoint("subscription", "/b", "/x", "std_msgs/msg/String", "reliable", "volatile")
@@ -64,6 +66,16 @@ def test_what_a_run_leaves_out_is_no_fault_where_its_checks_passed(
     check = {"outcome": outcome, "scenario": recording.name, "time": None}
     (graph,) = page_payload({"checks": [check] if outcome else []}, [recording], "x")["graphs"]
     assert graph.count("<li>") == faults
+
+
+def test_what_the_scenario_names_is_no_fault_and_a_stand_in_is_told_of() -> None:
+    alone = run(changed(SAYS, topic="/shuttle/cmd_vel_raw", type=TWIST))
+    named = replace(alone, scenario=load_scenario("shuttle_driver"))
+    tf = run(changed(HEARS, topic="/tf", type="tf2_msgs/msg/TFMessage"))
+    static = replace(tf, delivered=(*tf.delivered, replace(tf.delivered[0], topic="/tf_static")))
+    assert [graph_html(each).count("<li>") for each in (alone, named, tf, static)] == [1, 0, 1, 0]
+    stood_in = replace(alone, scenario=load_scenario("shuttle_launch"))
+    assert "the course's own shuttle_part.py ran in place of" in "".join(event_lines(stood_in))
 
 
 def test_names_stay_text() -> None:
