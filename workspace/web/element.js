@@ -12,20 +12,24 @@ export function el(tag, properties = {}, ...children) {
   return element;
 }
 
-/** A moment of the replay [s], which a slider or a number chooses: `go` is told which. */
+/** A moment of the replay [s], which a slider or a number chooses: `go` is told which; Enter has `act` called. */
 export class Moment {
-  constructor(label, go) {
+  constructor(label, go, act = () => {}) {
     const choose = ({ target }) => { if (this.isChosen(target)) go(target.valueAsNumber); };
     const settle = () => {
       if (!this.isChosen(this.number)) this.number.value = Math.min(Math.max(this.number.value, 0), this.end).toFixed(2);
       go(this.number.valueAsNumber);
     };
     this.slider = el('input', { type: 'range', min: 0, step: 0.1, 'aria-label': `Moment ${label} [s]`, oninput: choose });
-    this.number = el('input', { type: 'number', min: 0, step: 0.01, 'aria-label': `Time ${label} [s]`, oninput: choose, onchange: settle });
+    this.number = el('input', { type: 'number', min: 0, step: 0.01, 'aria-label': `Time ${label} [s]`, oninput: choose, onchange: settle,
+      onkeydown: ({ key }) => { if (key === 'Enter') act(settle()); } });
     this.element = el('div', { class: 'ws-moment' }, 'At [s]', this.number, this.slider);
   }
 
   isChosen(input) { return input.validity.valid && input.value !== ''; }
+
+  /** What is being typed, until the field is left. */
+  get typed() { return this.number.matches(':focus') && this.isChosen(this.number) ? this.number.valueAsNumber : null; }
 
   get end() { return Number(this.slider.max); }
 

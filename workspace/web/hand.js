@@ -71,7 +71,7 @@ export class Hand {
   /** Where the replay stands, or where somebody clicked on its map. */
   hear({ at, duration, place: there }) {
     if (Number.isFinite(duration)) this.moment.end = duration;
-    if (Number.isFinite(at)) this.update(at);
+    if (Number.isFinite(at)) this.update(this.moment.typed ?? at);
     if (Array.isArray(there) && there.length === 2 && there.every(Number.isFinite)) {
       this.there.forEach((field, i) => { field.value = there[i].toFixed(2); });
     }

@@ -16,8 +16,7 @@ export class Look {
       this.at = at;
       this.update();
       seek(at);
-    });
-    this.moment.number.addEventListener('keydown', ({ key }) => { if (key === 'Enter') this.button.click(); });
+    }, () => this.look([this.at]));
     this.button = el('button', { type: 'button', onclick: () => this.look([this.at]) });
     this.beside = el('button', { type: 'button', onclick: () => this.look([this.shown[0], this.at]) });
     this.tables = el('div', { class: 'ws-tables', tabindex: 0, role: 'region', 'aria-label': 'What ran' });
@@ -41,7 +40,7 @@ export class Look {
     if (Number.isFinite(duration)) this.moment.end = duration;
     if (!Number.isFinite(at) || !Number.isInteger(run)) return;
     if (run !== this.number) [this.number, this.shown] = [run, null];
-    this.at = at;
+    this.at = this.moment.typed ?? at;
     this.update();
   }
 
