@@ -42,3 +42,11 @@ def settle(page: Any) -> str:
 
 def typed(page: Any) -> str:
     return str(page.locator(".cm-content:visible").inner_text())
+
+
+def stand_at(page: Any, seconds: float, panel: str) -> None:
+    """Have the replay stand at a moment, once it is there and knows where it began."""
+    frame = page.locator(".ws-replay iframe").element_handle().content_frame()
+    frame.wait_for_load_state()
+    frame.evaluate("(t) => { window.replayPlayer.pause(); window.replayPlayer.seek(t); }", seconds)
+    page.locator(f"{panel} summary", has_text=f"{seconds:.2f} s").wait_for()

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from served_site import settle, type_in
+from served_site import settle, stand_at, type_in
 
 from grader.course.exercises import ROOT, find_exercise
 
@@ -31,13 +31,6 @@ def driven(open_served: Any, slug: str, scenario: str, **options: Any) -> Any:
     return page
 
 
-def at(page: Any, seconds: float) -> None:
-    """Have the replay stand at a moment."""
-    frame = page.locator(".ws-replay iframe").element_handle().content_frame()
-    frame.evaluate("(t) => { window.replayPlayer.pause(); window.replayPlayer.seek(t); }", seconds)
-    page.locator(".ws-hand summary", has_text=f"at {seconds:.2f} s").wait_for()
-
-
 def test_a_knob_is_turned_answered_undone_and_saved(
     open_served: Any, axe: Callable[[Any], list[str]]
 ) -> None:
@@ -45,7 +38,7 @@ def test_a_knob_is_turned_answered_undone_and_saved(
     replay = page.frame_locator(".ws-replay iframe")
     row = page.locator(".ws-knob", has_text="cruise_speed")
     assert "speed where the way is free [m/s], 0.0 to 0.5; now 0.3" in row.inner_text()
-    at(page, 2.0)
+    stand_at(page, 2.0, ".ws-hand")
     row.get_by_role("slider").fill("0.1")
     row.get_by_role("button", name="Set cruise_speed").click()
     assert settle(page).startswith("2.00 s: cruise_speed:=0.1: accepted. Driven to the end")
@@ -58,7 +51,7 @@ def test_a_knob_is_turned_answered_undone_and_saved(
         (3.0, "0.4", "refused: slow_distance (0.4 m) must not be below"),
         (2.5, "2", "refused: Wrong parameter type"),  # as `ros2 param set` would send it
     ):
-        at(page, moment)
+        stand_at(page, moment, ".ws-hand")
         slow.fill(value)
         slow.press("Enter")  # by keyboard alone
         assert f"{moment:.2f} s: slow_distance:={value}: {said}" in settle(page)
@@ -73,7 +66,7 @@ def test_a_knob_is_turned_answered_undone_and_saved(
     assert command in page.locator(".ws-hand").inner_text()
     orders = tomllib.loads(download.value.path().read_text("utf-8"))["program"][1]["arguments"]
     assert orders[1:] == ["2.0 cruise_speed:=0.1", "3.0 slow_distance:=0.4"]
-    at(page, 15.0)
+    stand_at(page, 15.0, ".ws-hand")
     page.get_by_role("button", name="Set cruise_speed").click()
     assert settle(page).startswith("The run is over")
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from served_site import settle, type_in
+from served_site import settle, stand_at, type_in
 
 from grader.course.exercises import ROOT, find_exercise
 
@@ -26,13 +26,6 @@ def begun(open_served: Any, slug: str, **options: Any) -> Any:
     return page
 
 
-def at(page: Any, seconds: float) -> None:
-    """Have the replay stand at a moment."""
-    frame = page.locator(".ws-replay iframe").element_handle().content_frame()
-    frame.evaluate("(t) => { window.replayPlayer.pause(); window.replayPlayer.seek(t); }", seconds)
-    page.locator(".ws-look summary", has_text=f"by {seconds:.2f} s").wait_for()
-
-
 def told(page: Any) -> dict[str, list[str]]:
     """Return the table's rows, by what stands at their beginning."""
     settle(page)
@@ -47,7 +40,7 @@ def test_two_moments_of_a_drive_stand_side_by_side(
     page.get_by_label("Scenario", exact=True).select_option("demo_open")
     page.keyboard.press("Control+Enter")
     assert "Driven to the end" in settle(page)
-    at(page, 2.01)
+    stand_at(page, 2.01, ".ws-look")
     page.locator(".ws-look summary").focus()
     page.keyboard.press("Enter")  # by keyboard alone
     page.locator(".ws-tables table").wait_for()
@@ -57,10 +50,10 @@ def test_two_moments_of_a_drive_stand_side_by_side(
     assert "* heard" in told(page)
     assert page.locator(".cm-lintRange-info").count() == 1  # the line, in the editor
     assert axe(page) == []
-    at(page, 4.01)
+    stand_at(page, 4.01, ".ws-look")
     page.get_by_role("button", name="Compare 4.01 s with 2.01 s").click()
     page.locator(".ws-tables th[scope=col]").nth(1).wait_for()
-    at(page, 1.01)
+    stand_at(page, 1.01, ".ws-look")
     page.get_by_role("button", name="Compare 1.01 s with 2.01 s").click()
     page.locator(".ws-tables th[scope=col]", has_text="1.01").wait_for()
     assert "2.01" in page.locator(".ws-tables th[scope=col]").nth(1).inner_text()
