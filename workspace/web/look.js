@@ -64,13 +64,13 @@ export class Look {
   }
 
   /** Choose among the functions that ran, where there are several. */
-  choose([shown, ...others]) {
-    const choose = ({ target }) => {
-      this.callback = target.value;
+  choose(functions) {
+    const select = el('select', { onchange: () => {
+      this.callback = select.value;
       this.look(this.shown);
-    };
-    return others.length ? el('label', {}, 'Function ', el('select', { onchange: choose },
-      [shown, ...others].map((name) => el('option', {}, name)))) : '';
+    } }, el('option', { value: '' }, 'that ran last'), [...functions].sort().map((name) => el('option', { value: name }, name)));
+    if (functions.includes(this.callback)) select.value = this.callback;
+    return functions[1] ? el('label', {}, 'Function ', select) : '';
   }
 
   table({ title, columns, functions, rows }) {
