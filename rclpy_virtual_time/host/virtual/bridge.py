@@ -144,7 +144,7 @@ class Bridge:
             if isinstance(machine, rclpy_implementation.LifecycleStateMachine):
                 with contextlib.suppress(Exception):  # as above
                     name, state = node.get_fully_qualified_name(), machine.current_state[1]
-                    ends = node.__dict__["_managed_entities"]
+                    ends = node.__dict__.get("_managed_entities", ())
                     on = sum(getattr(each, "is_activated", False) is True for each in ends)
                     yield Note("lifecycle", name, count=on, more=state)
 
