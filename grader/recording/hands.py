@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from typing import NamedTuple
 
@@ -22,6 +23,7 @@ class Deed(NamedTuple):
 def deeds(recording: Recording) -> list[Deed]:
     """Return what was done by the scenario's script and its setters of parameters, by time."""
     stops = [event for event in recording.scenario.script if event.e_stop is not None]
+    stops = [next(alike) for _, alike in itertools.groupby(stops, lambda event: event.e_stop)]
     found = [Deed(e.at, f"e-stop {'pressed' if e.e_stop else 'released'}") for e in stops]
     setters = [program for program in recording.scenario.program if program.file == SETTER]
     for node, *orders in (setter.arguments for setter in setters):
@@ -29,8 +31,7 @@ def deeds(recording: Recording) -> list[Deed]:
             parts = [] if text.endswith("?") else text.split(", ")
             time = float(at)
             found += [Deed(time, part, node, _answer(recording, time, part)) for part in parts]
-    found = [each for each in dict.fromkeys(found) if each.at <= recording.duration_s]
-    return sorted(found, key=lambda deed: deed.at)
+    return sorted((each for each in found if each.at <= recording.duration_s), key=lambda d: d.at)
 
 
 def _answer(recording: Recording, at: float, text: str) -> str:

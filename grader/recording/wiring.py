@@ -91,7 +91,8 @@ class Wiring:
         if meant := self._meant(end, "subscription"):
             return f"nobody listens here: {meant.node} listens to {meant.topic}"
         given = [word for each in self._recording.scenario.program for word in each.arguments]
-        if any(word.endswith(f":={end.topic.rpartition('/')[2]}") for word in given):
+        space, _, name = end.topic.rpartition("/")
+        if end.node.rpartition("/")[0] == space and any(w.endswith(f":={name}") for w in given):
             return ""  # the scenario named it so, and runs a part of the programs
         if drives or alike:
             return f"nobody listens here: the robot takes {TWIST} on {CMD_VEL_TOPIC}"

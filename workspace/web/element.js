@@ -22,7 +22,7 @@ export class Moment {
     };
     this.slider = el('input', { type: 'range', min: 0, step: 0.1, 'aria-label': `Moment ${label} [s]`, oninput: choose });
     this.number = el('input', { type: 'number', min: 0, step: 0.01, 'aria-label': `Time ${label} [s]`, oninput: choose, onchange: settle,
-      onkeydown: ({ key }) => { if (key === 'Enter') act(settle()); } });
+      onkeydown: ({ key }) => { if (key === 'Enter') [settle, act].forEach((each) => each()); } });
     this.element = el('div', { class: 'ws-moment' }, 'At [s]', this.number, this.slider);
   }
 

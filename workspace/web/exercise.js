@@ -293,16 +293,16 @@ export class Exercise extends Workspace {
   /** Save a world in which a check failed as a scenario of one's own. */
   keepWorld({ scenario, id }) {
     const title = JSON.stringify(`${this.plan.scenarios[scenario]}, where ${id} failed with seed ${this.chosen}`);
-    const file = this.keepScenario(`${scenario}_seed${this.chosen}_${id}.toml`,
-      `title = ${title}\nextends = "${scenario}"\ntrial_seed = ${this.worlds[scenario]}\n`);
-    this.say(`Saved: ${file}, also below Your own in the list. A drive there shows what happens; Check with the seed ${this.chosen} judges it.`);
+    this.keepScenario(`${scenario}_seed${this.chosen}_${id}.toml`,
+      `title = ${title}\nextends = "${scenario}"\ntrial_seed = ${this.worlds[scenario]}\n`,
+      `A drive there shows what happens; Check with the seed ${this.chosen} judges it.`);
   }
 
-  keepScenario(name, content) {
+  keepScenario(name, content, judged = 'Drive says whether the exercise’s least is kept there; Check does not go there.') {
     const file = this.shelf.addScenario(name, content);
     this.listVersions();
     super.keepScenario(file, content);
-    this.say(`Saved: ${file}, also below Your own in the list. Drive says whether the exercise’s least is kept there; Check does not go there.`);
+    this.say(`Saved: ${file}, also below Your own in the list. ${judged}`);
     return file;
   }
 

@@ -10,6 +10,7 @@ from test_replay import drive
 from grader.drive import event_lines
 from grader.drive.topics import topic_lines
 from grader.recording import Endpoint, Recording
+from grader.recording.hands import deeds
 from grader.report.graph import graph_html
 from grader.report.page import page_payload
 from sim.scenario_files import load_scenario
@@ -69,13 +70,21 @@ def test_what_a_run_leaves_out_is_no_fault_where_its_checks_passed(
 
 
 def test_what_the_scenario_names_is_no_fault_and_a_stand_in_is_told_of() -> None:
-    alone = run(changed(SAYS, topic="/shuttle/cmd_vel_raw", type=TWIST))
-    named = replace(alone, scenario=load_scenario("shuttle_driver"))
+    driver = changed(SAYS, node="/shuttle/driver", topic="/shuttle/cmd_vel_raw", type=TWIST)
+    alone, elsewhere = run(driver), run(changed(driver, topic="/cmd_vel_raw"))
+    scenario = load_scenario("shuttle_driver")
+    named, other = (replace(each, scenario=scenario) for each in (alone, elsewhere))
     tf = run(changed(HEARS, topic="/tf", type="tf2_msgs/msg/TFMessage"))
     static = replace(tf, delivered=(*tf.delivered, replace(tf.delivered[0], topic="/tf_static")))
-    assert [graph_html(each).count("<li>") for each in (alone, named, tf, static)] == [1, 0, 1, 0]
+    seen = [graph_html(each).count("<li>") for each in (alone, named, other, tf, static)]
+    assert seen == [1, 0, 1, 1, 0]
     stood_in = replace(alone, scenario=load_scenario("shuttle_launch"))
     assert "the course's own shuttle_part.py ran in place of" in "".join(event_lines(stood_in))
+
+
+def test_an_e_stop_that_is_said_twice_is_one_deed() -> None:
+    released = replace(drive(4.0), scenario=load_scenario("safe_pass"))
+    assert [each.text for each in deeds(released)] == ["e-stop released"]
 
 
 def test_names_stay_text() -> None:
