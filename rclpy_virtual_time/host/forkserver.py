@@ -174,6 +174,7 @@ def settle(advice: str, libraries: Sequence[str]) -> None:
     _import(libraries)
     inspect.getmodule(sys._getframe())  # it looks at all modules: a node's first log line would
     imports.host.settle()
+    sys.dont_write_bytecode = True  # no files beside a program's sources
 
 
 def prepare_nodes(epoch: int) -> kernel_module.Kernel:

@@ -292,8 +292,8 @@ class ForkServer:
             f"{self.ros.prelude or 0};"
             "import runpy; runpy.run_module('rclpy_virtual_time.host', run_name='__main__')"
         )
-        # -s, -B: nothing from the user's site, no files beside the sources
-        return [sys.executable, "-s", "-B", "-X", "utf8", "-c", boot]
+        # -s: nothing from the user's site. Our own bytecode is kept, a node's is not (`settle`).
+        return [sys.executable, "-s", "-X", "utf8", "-c", boot]
 
     @property
     def environment(self) -> dict[str, str]:

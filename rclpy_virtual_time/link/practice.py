@@ -169,8 +169,8 @@ class PracticeServer:
             f"{self.ros.prelude if self._kind == NODES else 0}\n"
             "from rclpy_virtual_time.host import practice; practice.serve(*sys.argv[1:])"
         )
-        # -s, -B: nothing from the user's site, no files beside the sources
-        return PracticeHost([sys.executable, "-s", "-B", "-X", "utf8", "-c", boot], _environment())
+        # -s: nothing from the user's site. Our own bytecode is kept, a node's is not (`settle`).
+        return PracticeHost([sys.executable, "-s", "-X", "utf8", "-c", boot], _environment())
 
 
 def _environment() -> dict[str, str]:
