@@ -1,5 +1,7 @@
 """The lidar on the robot: casts a scan from a pose, adds the faults, packs the message."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,7 +37,9 @@ class Scanner:
     topic, type, table = SCAN_TOPIC, LASER_SCAN, "lidar"
 
     def __init__(self, scenario: Scenario, layout: Layout, seed: int) -> None:
-        self._scenario, self._carts, self._seed = scenario, layout.carts, seed
+        self._scenario, self._seed = scenario, seed
+        self._carts = [(cart, faces(cart.polygon)) for cart in layout.carts]
+        self._held = -1, np.empty(0, np.float32)  # the bench's latest entry, and its readings
         self._rng = sensor_rng(seed, "lidar")
         repeats = [scan.repeat for scan in scenario.bench]
         self._entries = np.repeat(np.arange(len(repeats)), repeats)  # of the bench, by scan
@@ -97,23 +101,29 @@ class Scanner:
 
     def _readings(self, event: Event, pose: Pose) -> NDArray[np.float32]:
         if self._scenario.bench:
-            return bench_readings(self._bench_ranges(event.index), self._profile)
+            return self._bench_readings(int(self._entries[event.index]))
         faults = self._scenario.faults
         mounted = in_frame(pose, self._mount)
         ranges = self._caster.cast(*mounted, moving=self._moving(event.time))
         ranges = measured(ranges, faults, self._rng)
         return speckle(readings(ranges, self._profile), faults, self._rng)
 
-    def _bench_ranges(self, index: int) -> Floats:
-        """Return the (n,) ranges [m] of a bench scan; a repeated one is jittered once."""
-        entry, rng = int(self._entries[index]), None
-        if self._seed != self._scenario.seed:
-            rng = sensor_rng(self._seed, f"bench {entry}")
-        turned = self._mount[2]  # a bench counts from the robot's front
-        return bench_ranges(self._scenario.bench[entry], self._profile, rng, turned)
+    def _bench_readings(self, entry: int) -> NDArray[np.float32]:
+        """Return the (n,) readings [m] of an entry of the bench, however often it is repeated."""
+        if self._held[0] != entry:
+            jitter = None
+            if self._seed != self._scenario.seed:
+                jitter = sensor_rng(self._seed, f"bench {entry}")
+            turned = self._mount[2]  # a bench counts from the robot's front
+            ranges = bench_ranges(self._scenario.bench[entry], self._profile, jitter, turned)
+            self._held = entry, bench_readings(ranges, self._profile)
+        return self._held[1]
 
     def _moving(self, time: int) -> Floats | None:
-        if not self._carts:
-            return None
-        seconds = np.array([time / 1e9])
-        return np.concatenate([faces(cart.corners(seconds)[0]) for cart in self._carts])
+        """Return the (n, 2, 2) faces of all carts [m] at a time [ns]."""
+        parts = []
+        for cart, outline in self._carts:
+            x, y, yaw = cart.pose(time / 1e9)
+            c, s = math.cos(yaw), math.sin(yaw)
+            parts.append(outline @ np.array(((c, s), (-s, c))) + (x, y))
+        return np.concatenate(parts) if parts else None

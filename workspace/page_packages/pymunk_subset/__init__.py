@@ -20,7 +20,7 @@ class Body:
     DYNAMIC, KINEMATIC, STATIC = range(3)
 
     def __init__(self, mass: float = 0.0, moment: float = 0.0, body_type: int = DYNAMIC) -> None:
-        self.body_type = body_type
+        self.body_type, self._body = body_type, self
         dynamic = body_type == Body.DYNAMIC
         self.inverse_mass, self.inverse_moment = (1 / mass, 1 / moment) if dynamic else (0.0, 0.0)
         self.x = self.y = self.angle = 0.0
@@ -215,7 +215,7 @@ class Space:
     iterations = 10
 
     def __init__(self) -> None:
-        self.static_body = Body(body_type=Body.STATIC)
+        self.static_body, self._space = Body(body_type=Body.STATIC), self
         self._bodies: list[Body] = []
         self._fixed: list[tuple[float, float, float, float, Shape]] = []  # with what is around it
         self._driven: list[Shape] = []
