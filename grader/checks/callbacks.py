@@ -9,6 +9,7 @@ import numpy as np
 from grader.checks.commands import answered_in_turn
 from grader.checks.verdict import fail, inconclusive
 from grader.recording import ENDS, Floats, Recording, made_again, rise_of
+from grader.recording.views import percentile
 
 OFTEN = 90  # [%] stalls of a machine don't hit one callback in ten, unless threads queue for it
 MIN_CALLBACKS = 200  # to measure
@@ -25,9 +26,9 @@ def quick(recordings: Sequence[Recording], limit: float) -> None:
             expected=f"at least {MIN_CALLBACKS} callbacks to measure",
             actual=f"{len(wall)}",
         )
-    own, often = float(np.percentile(computed, 99)), float(np.percentile(busy, OFTEN))
+    own, often = percentile(computed, 99), percentile(busy, OFTEN)
     if max(own, often) <= limit:
-        if np.percentile(wall, 99) > limit:
+        if percentile(wall, 99) > limit:
             inconclusive("the machine stalled while the callbacks were being measured")
         return
     longest = int(np.argmax([cost[1].max(initial=0.0) for cost in each]))
@@ -86,9 +87,8 @@ def costs(recording: Recording) -> Floats:
         cpu = np.array([cost.cpu[span].sum() for span in spans])
         queued = np.array([cost.queued[span].max(initial=0.0) for span in spans])
         return np.stack([scans, wall, np.fmin(wall, cpu), wall - queued])
-    begins = np.unique(np.searchsorted(cost.time, scans))
-    begins = begins[begins < len(cost.time)]
-    if not len(begins):
+    begins = sorted({*np.searchsorted(cost.time, scans).tolist()} - {len(cost.time)})
+    if not begins:
         return np.zeros((4, 0))
     sums = [np.add.reduceat(each, begins) for each in (cost.computed, cost.busy)]
     return np.stack([cost.time[begins], cost.wall[begins], *sums])

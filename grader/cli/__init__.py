@@ -8,6 +8,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+# A judge's arrays are small; OpenBLAS's threads would wait for large ones, at full speed.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import click
 
 from grader.cli import (

@@ -93,11 +93,13 @@ def _of_notebook(notebook: Path, names: Sequence[str], staged: Path, path: Path)
 
     None for what is no notebook; one may be saved as a program.
     """
-    from grader.nbgrader.cells import last_definitions, modules  # noqa: PLC0415
-    from grader.nbgrader.intake import may_be_notebook, read_cells  # noqa: PLC0415
+    from grader.nbgrader.exported import may_be_notebook  # noqa: PLC0415
 
     if not notebook.is_file() or not may_be_notebook(notebook):
         return None
+    from grader.nbgrader.cells import last_definitions, modules  # noqa: PLC0415
+    from grader.nbgrader.intake import read_cells  # noqa: PLC0415
+
     cells = [(cell.kind, cell.source) for cell in _read(path, lambda: read_cells(notebook))]
     if not cells:
         return None

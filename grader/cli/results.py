@@ -48,18 +48,16 @@ def show(
     `changed`: what changed since the last attempt; it is printed, and in no file; `everything`:
     each check with its details; `todo`: what to type next.
     """
-    from grader.report.page import json_text  # noqa: PLC0415
-    from grader.report.terminal import render_terminal  # noqa: PLC0415
-
     result = grading.as_dict()
-    if json_ == JSON_STDOUT:
-        write(json_text(result))
-    else:
-        from grader.report.terminal import Console  # noqa: PLC0415
+    if json_ != JSON_STDOUT:
+        from grader.report.terminal import Console, render_terminal  # noqa: PLC0415
 
         render_terminal(result, Console(), changed, everything=everything, todo=todo)
-    if json_ and json_ != JSON_STDOUT:
-        Path(json_).write_text(json_text(result), "utf-8")
+    if json_:
+        from grader.report.page import json_text  # noqa: PLC0415
+
+        text = json_text(result)
+        write(text) if json_ == JSON_STDOUT else Path(json_).write_text(text, "utf-8")
     if report is not None:
         title = f"{grading.exercise.title}: {Path(grading.file).name}"
         write_report(report, result, list(grading.recordings), title, quiet=bool(json_))

@@ -11,7 +11,11 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from itertools import takewhile
+from pathlib import Path
 
+from grader.course.submission import read_regular_file
+
+SUFFIX = ".ipynb"
 MAGIC = re.compile(r"(?:# ?)?(%%(?:node|writefile|file)[ \t]+\S.*)")
 CALL = re.compile(r"get_ipython\(\)\.run_cell_magic(\(.*\))\s*")
 COLAB = "# Commented out IPython magic"
@@ -23,6 +27,14 @@ SIGN = re.compile(
     re.MULTILINE,
 )
 IS_ONE = re.compile(rb"^(?:" + ONLY + rb")", re.MULTILINE)
+
+
+def may_be_notebook(path: Path) -> bool:
+    """Return whether a file is a notebook, or a program that may be saved from one."""
+    try:
+        return path.suffix.lower() == SUFFIX or bool(SIGN.search(read_regular_file(path)))
+    except OSError:
+        return False
 
 
 def cells_written(program: str) -> list[str] | None:

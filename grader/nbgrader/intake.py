@@ -11,11 +11,10 @@ from itertools import islice
 from pathlib import Path
 from typing import IO, Any
 
-from grader.course.submission import MAX_SIZE, read_regular_file
-from grader.nbgrader.exported import SIGN, cells_written
+from grader.course.submission import MAX_SIZE
+from grader.nbgrader.exported import SUFFIX, cells_written
 from rclpy_virtual_time import FileReader
 
-SUFFIX = ".ipynb"
 MAX_NOTEBOOK = 50 * 1024 * 1024  # [bytes], pictures and outputs included
 MAX_CELLS = 1_000
 MAX_NESTED = 500_000  # of brackets that open: each becomes an object, 50 times as large as its text
@@ -38,14 +37,6 @@ class Cell:
     source: str
     grade_id: str = ""  # from its metadata; "" if there is none
     pictures: Mapping[str, Mapping[str, str]] = field(default_factory=dict)  # name: type: base64
-
-
-def may_be_notebook(path: Path) -> bool:
-    """Return whether a file is a notebook, or a program that may be saved from one."""
-    try:
-        return path.suffix.lower() == SUFFIX or bool(SIGN.search(read_regular_file(path)))
-    except OSError:
-        return False
 
 
 def read_cells(path: Path) -> list[Cell]:

@@ -42,8 +42,8 @@ def costs_of(recording: Recording) -> Costs | None:
     begun = 1 if recording.live is None else 0  # a program's start-up is not the scenario's
     compute = recording.compute
     spent = np.fmin(compute.wall, compute.cpu)[begun:]
-    sent = np.unique([message.time / 1e9 for message in recording.delivered])
-    costs = spent[np.isin(compute.time[begun:], sent)]
+    sent = {message.time / 1e9 for message in recording.delivered}
+    costs = spent[[time in sent for time in compute.time[begun:].tolist()]]
     if not len(costs):
         return None
     period = lidar_period(recording)

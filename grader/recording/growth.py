@@ -14,7 +14,7 @@ import numpy as np
 
 from grader.recording.costs import lidar_period
 from grader.recording.recording import Endpoint, Recording
-from grader.recording.views import Floats
+from grader.recording.views import Floats, percentile
 from grader.recording.words import told_lines
 from rclpy_virtual_time import Note
 
@@ -54,8 +54,8 @@ def rise_of(times: Floats, costs: Floats) -> Rise | None:
     if len(costs) < PARTS * MIN_MESSAGES:
         return None
     parts = np.array_split(costs, PARTS)
-    low = np.array([np.percentile(part, 10) for part in parts])
-    first, last = float(np.median(parts[0])), float(low[-1])
+    low = np.array([percentile(part, 10) for part in parts])
+    first, last = percentile(parts[0], 50), float(low[-1])
     risen = last - float(low[0])
     if last < TIMES * first or risen < RISE:
         return None
@@ -203,8 +203,8 @@ def growth_of(recording: Recording, *, models: bool = True) -> list[str]:
     ]
     compute = recording.compute
     spent = np.fmin(compute.wall, compute.cpu)
-    sent = np.unique([message.time / 1e9 for message in recording.delivered])
-    there = np.isin(compute.time, sent)
+    sent = {message.time / 1e9 for message in recording.delivered}
+    there = [time in sent for time in compute.time.tolist()]
     if rise := rise_of(compute.time[there], spent[there]):
         said.append(
             f"a message costs more and more: {1000 * rise.first:.1f} ms at first, "

@@ -84,6 +84,13 @@ class Goals:
     y: Floats  # (n,) [m]
 
 
+def percentile(values: Floats, share: float) -> float:
+    """Return a percentile of (n,) values by linear interpolation; numpy's imports masked arrays."""
+    ordered, place = np.sort(values), (len(values) - 1) * share / 100
+    low, high = ordered[math.floor(place)], ordered[math.ceil(place)]
+    return float(low + (high - low) * (place % 1.0))
+
+
 def twists(messages: Iterable[Message]) -> Twists:
     """Decode Twist messages; what is not a Twist is left out."""
     times, values = [], []

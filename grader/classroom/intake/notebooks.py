@@ -7,7 +7,8 @@ from typing import IO
 
 from grader.classroom.intake.skeletons import bare, skeletons
 from grader.nbgrader.cells import last_definitions, modules
-from grader.nbgrader.intake import SUFFIX, cells_in
+from grader.nbgrader.exported import SUFFIX
+from grader.nbgrader.intake import cells_in
 from rclpy_virtual_time import FileReader
 
 PLAIN = re.compile(r"cell_\d+\.py")

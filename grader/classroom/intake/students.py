@@ -21,7 +21,7 @@ from grader.lms.platform import Entry, Read, SetAside, Who
 from grader.lms.platforms import PLATFORMS
 from grader.lms.unpack import ARCHIVES, MAX_DEPTH, is_archive, is_unread_archive, unpack
 from grader.lms.unpack import LINK as NO_LINK
-from grader.nbgrader.intake import SUFFIX, may_be_notebook
+from grader.nbgrader.exported import SUFFIX, may_be_notebook
 from rclpy_virtual_time import FileReader
 
 MAX_LISTED = 20_000  # files of a student's folder that are listed
