@@ -13,7 +13,7 @@ import difflib
 import importlib
 import math
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -130,12 +130,22 @@ def _tree(source: bytes) -> ast.Module:
 
 
 def _all(tree: ast.AST, *kinds: type) -> Iterator[Any]:
-    return (node for node in _nodes(tree) if isinstance(node, kinds))
+    return (node for kind in kinds for node in _nodes(tree).get(kind, ()))
 
 
 @lru_cache(maxsize=256)
-def _nodes(tree: ast.AST) -> tuple[ast.AST, ...]:
-    return tuple(ast.walk(tree))
+def _nodes(tree: ast.AST) -> dict[type, list[ast.AST]]:
+    """Return what stands in a tree, by its kind."""
+    found, walk = defaultdict[type, list[ast.AST]](list), [tree]
+    for node in walk:  # it grows
+        found[type(node)].append(node)
+        for name in node._fields:
+            value = getattr(node, name, None)
+            if isinstance(value, ast.AST):
+                walk.append(value)
+            elif isinstance(value, list):
+                walk += [each for each in value if isinstance(each, ast.AST)]
+    return found
 
 
 def _statements(tree: ast.AST) -> Found:
@@ -195,20 +205,24 @@ def _conditions(tree: ast.AST) -> Found:
 def _functions(tree: Any) -> Found:
     functions = list(_all(tree, *FUNCTIONS))
     names = Counter(each.name for each in functions)
+    used_calls = list(_used_calls(tree))
+    asked = {_last(used.func) for used, _ in used_calls}
     silent = {
         f"self.{each.name}" if isinstance(of, ast.ClassDef) else each.name
         for of in (tree, *_all(tree, ast.ClassDef))
         for each in of.body
-        if isinstance(each, FUNCTIONS) and names[each.name] == 1 and _says_nothing(each)
-    }
-    for used, by in _used_calls(tree):
+        if isinstance(each, FUNCTIONS) and each.name in asked and names[each.name] == 1
+        and _says_nothing(each)
+    }  # fmt: skip
+    for used, by in used_calls:
         if _dotted(used.func) in silent:
             slip = "called" if _last(getattr(by, "func", None)) in HANDED else "nothing"
             yield _said(used, slip, _last(used.func))
     for each in functions:
-        read = {node.id for node in _all(each, ast.Name)}
         for inner in each.body:
-            if isinstance(inner, FUNCTIONS) and not inner.decorator_list and inner.name not in read:
+            if not isinstance(inner, FUNCTIONS) or inner.decorator_list:
+                continue
+            if inner.name not in {node.id for node in _all(each, ast.Name)}:
                 yield _said(inner, "unused", each.name, inner.name)
         own, named = each.args.posonlyargs + each.args.args, each.args.kwonlyargs
         defaults = [*zip(own[::-1], each.args.defaults[::-1], strict=False)]
@@ -296,7 +310,7 @@ def _asked(tree: ast.AST) -> Found:
             if answers and (PARAMETERS[0], name) not in handed:
                 yield _said(call, "unheard", name)
             continue
-        tried = {id(node) for each in own if isinstance(each, ast.Try) for node in _nodes(each)}
+        tried = {id(node) for each in own if isinstance(each, ast.Try) for node in ast.walk(each)}
         for node in own:
             if isinstance(node, ast.Return) and (what := _no_result(node.value)):
                 yield _said(node, "verdict", name, what)

@@ -71,7 +71,8 @@ class Finder(Loader):
 def offer(folders: Iterable[Path]) -> None:
     """Let a program import the packages in these folders; the first of a name counts."""
     found: dict[str, Path] = {}
-    for each in (each for f in folders if f.is_dir() for each in sorted(f.iterdir())):
+    there = (each for f in folders if f.is_dir() for each in sorted(f.iterdir()))
+    for each in (each for each in there if each.is_dir()):
         if any(_files(each, kind) for kind in KINDS) and not (each / "__init__.py").exists():
             spec = PathFinder.find_spec(each.name)
             built = spec is not None and spec.origin is not None
