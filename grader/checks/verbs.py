@@ -138,11 +138,14 @@ def reacts(answers: Sequence[tuple[Recording, Case]]) -> None:
     bench = any(recording.scenario.bench_scans for recording, _ in answers)
     if not bench and any(case.rounded != answers[0][1].rounded for _, case in answers):
         return
-    said = Counter(case.rounded for _, case in answers)
-    usual, count = said.most_common(1)[0] if answers else ((), 0)
+    said, count = Counter[tuple[tuple[str, Said], ...]](), 0
+    for number, (_, case) in enumerate(answers, 1):
+        said[case.rounded] += 1
+        count = max(count, said[case.rounded])
+        if number - count >= (1 - USUAL) * len(answers):
+            return  # whatever the rest say
+    usual = said.most_common(1)[0][0] if answers else ()
     others = len(answers) - count
-    if others >= (1 - USUAL) * len(answers):
-        return
     wrong = [each for each in answers if replace(each[1], said=dict(usual)).wrong(TOLERANCE)]
     if not wrong or (bench and others >= (1 - USUAL) * len(wrong)):
         return

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 from grader.checks.ahead import HAIR
 from grader.checks.commands import FIELDS
@@ -40,12 +41,12 @@ class Situation:
     distances: tuple[float | None, ...]  # [m] ahead, one for each of HALF_ANGLES; inf free
     scan_age: float  # [s]
 
-    @property
+    @cached_property
     def is_bad(self) -> bool:
         """The last raw command has a field that is not finite."""
         return self.raw is not None and not all(map(math.isfinite, self.raw))
 
-    @property
+    @cached_property
     def asked(self) -> tuple[float, float]:
         """What a usable command asks for [m/s, rad/s]."""
         return (0.0, 0.0) if self.raw is None or self.is_bad else (self.raw[0], self.raw[5])
