@@ -1,5 +1,6 @@
 """The same model says the same in every format, and the judge imports none of the libraries."""
 
+import os
 import pickle
 import subprocess
 import sys
@@ -156,8 +157,25 @@ def test_the_exporter_starts_again_after_its_end(exporter: Exporter) -> None:
     first = exporter.content(".onnx", "linear", LINEAR.settings)
     assert exporter.content(".onnx", "linear", LINEAR.settings) is first  # made once
     exporter.close()
+    for file in Path(os.environ["XDG_CACHE_HOME"]).rglob("*"):
+        file.unlink() if file.is_file() else None
     exporter._made.clear()
     assert exporter.content(".onnx", "linear", LINEAR.settings) == first
+
+
+@pytest.mark.parametrize("home", ["", "kept"])
+def test_a_file_is_kept_for_the_next_command(
+    home: str, exporter: Exporter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / (home or "file")))
+    first = exporter.content(".onnx", "linear", LINEAR.settings)
+    other = Exporter()
+    monkeypatch.setattr(other, "_ask", lambda _: b"made again")
+    assert other.content(".onnx", "linear", LINEAR.settings) == (first if home else b"made again")
+    monkeypatch.setattr("grader.models.exporter._origin", lambda: "other code, other libraries")
+    other._made.clear()
+    assert other.content(".onnx", "linear", LINEAR.settings) == b"made again"
 
 
 def test_the_judge_imports_none_of_the_libraries() -> None:
