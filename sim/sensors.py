@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from sim.events import Event
+from sim.events import Event, Kind
 from sim.faults import Times
 from sim.layout import Layout, Pose
 from sim.messages import (
@@ -53,6 +53,16 @@ OFFERED = {  # what a scenario can have the robot send: topic → type
     E_STOP_TOPIC: BOOL,
     TF_TOPIC: TF_MESSAGE,
     TF_STATIC_TOPIC: TF_MESSAGE,
+}
+
+TOPIC_OF: dict[int, str] = {  # of what happens, by its kind
+    **{Kind.SENSOR - place: sensor.topic for place, sensor in enumerate(SENSORS)},
+    Kind.SCRIPTED_ODOM: Odometry.topic,
+    Kind.GOAL: GOAL_TOPIC,
+    Kind.RAW: CMD_VEL_RAW_TOPIC,
+    Kind.E_STOP: E_STOP_TOPIC,
+    Kind.TRANSFORM: TF_TOPIC,
+    Kind.STATIC_TRANSFORM: TF_STATIC_TOPIC,
 }
 
 

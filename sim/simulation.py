@@ -41,8 +41,9 @@ Determinism
 Units and frames follow REP-103 and REP-105, readings REP-117.
 """
 
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import msgspec
@@ -70,7 +71,7 @@ from sim.robot import STEP_NS, Robot
 from sim.scanner import Scanner
 from sim.scenario import Scenario, ScriptEvent, yaw_in_radians
 from sim.schedule import RAW_STREAM, schedule
-from sim.sensors import SENSORS
+from sim.sensors import SENSORS, TOPIC_OF
 
 TRUTH_NS = 20_000_000  # between two samples of the truth [ns]
 
@@ -134,11 +135,14 @@ class Simulation:
         """When the scenario ends, since its start [ns]."""
         return self.scenario.duration_ns
 
-    def next_event(self) -> int | None:
-        """Return when the next message or scripted event comes after `now` [ns], if any."""
-        if self._arrived == len(self._arrivals):
-            return None
-        return self._arrivals[self._arrived].delivery
+    def next_event(self, topics: Collection[str] | None = None) -> int | None:
+        """Return when the next message or scripted event comes after `now` [ns], if any.
+
+        `topics` are those whose messages alone count, and nothing that the script does.
+        """
+        coming = itertools.islice(self._arrivals, self._arrived, None)
+        wanted = (each for each in coming if topics is None or TOPIC_OF.get(each.kind) in topics)
+        return next((event.delivery for event in wanted), None)
 
     def advance(
         self, until: int, commands: Sequence[tuple[int, float, float]] = ()

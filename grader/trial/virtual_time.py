@@ -172,6 +172,7 @@ class _Trial:
         self._link = link
         self._models = ModelService(simulation.scenario, simulation.seed, recorder.delivered)
         self._at = 0.0  # [s] the time that the node has come to
+        self._heard: set[str] = set()  # topics of which each message is a turn of the node's
         self._spun = False
         self._waited = 0.0  # [s] for a CPU, by the node or the judge
         self._stuck: float | None = None  # [s] since when nothing in the node can ever run again
@@ -179,6 +180,7 @@ class _Trial:
     def conversation(self, start: Start, limits: Limits) -> Conversation[Outcome]:
         """Run the trial to its end, frame by frame; return how it ended."""
         recorder, simulation, end = self._recorder, self._simulation, self._simulation.end
+        self._heard.update(offer.topic for offer in start.offers if offer.latched)
         began_at = real_clock.perf_counter()
         try:
             first, cost = yield from self._start(start, limits.start)
@@ -193,9 +195,12 @@ class _Trial:
                 began = simulation.now
                 self._at = began / 1e9
                 told = tuple(told for _, told in self._models.due(began))
-                events = (simulation.next_event(), self._models.next_due, began + SLICE_NS)
+                coming = simulation.next_event(self._heard)
+                events = (coming, self._models.next_due, began + SLICE_NS)
                 until = min(end, *(event for event in events if event))
-                frame = Run(until, tuple(Delivery(m.topic, m.data) for m in pending), told)
+                heard = (m for m in pending if m.topic in self._heard)
+                deliver = tuple(Delivery(m.topic, m.data) for m in heard)
+                frame = Run(until, deliver, told, ends=True)
                 recorder.delivered += pending
                 said, cost = yield frame, limits.step
                 if isinstance(said, Slept):
@@ -313,6 +318,7 @@ class _Trial:
         reached = _reached(answer, began, agreed)
         self._at = reached / 1e9
         recorder.note_endpoints(answer.endpoints)
+        self._heard.update(e.topic for e in answer.endpoints if e.kind == "subscription")
         recorder.note(answer.notes)
         recorder.look(answer.moments)
         commands = recorder.hear(answer.published, began, reached)
@@ -365,7 +371,8 @@ def _too_slow(limits: Limits, simulation: Simulation) -> str:
 
 def _reached(answer: Settled | Ended, began: int, agreed: int) -> int:
     """Return the time that the host has reached, if it is the time agreed on."""
-    early = isinstance(answer, Settled) and answer.asked  # it asks a model before time goes on
+    # it asks a model, or begins to listen, before time goes on
+    early = isinstance(answer, Settled) and (answer.asked or answer.endpoints)
     if isinstance(answer, Settled) and answer.now != agreed and not early:
         raise HostForged(f"time {answer.now} where {agreed} was agreed on")
     if not began <= answer.now <= agreed:

@@ -115,6 +115,7 @@ class Run(msgspec.Struct, frozen=True, tag="run"):
     deliver: tuple[Delivery, ...] = ()
     told: tuple[Told, ...] = ()
     interrupt: bool = False  # the scenario is over: send the programs SIGINT first
+    ends: bool = False  # come back, before time goes on, with ends of topics that are new
 
 
 class Answers(msgspec.Struct, frozen=True, tag="answers"):

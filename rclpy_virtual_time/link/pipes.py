@@ -140,8 +140,8 @@ class Pipes(Channel):
     def expect_silence(self) -> None:
         """Make sure that the host has not answered before the question, nor taken too much."""
         early: bytes | None = bytes(self._buffer) or None
-        with contextlib.suppress(BlockingIOError):
-            early = early or os.read(self._host.link_in, 1)
+        if early is None and self._answers.poll(0):
+            early = os.read(self._host.link_in, 1)
         if early is not None:
             raise HostForged("an answer before the question") if early else HostDied
         if self._host.watch is not None:

@@ -56,7 +56,7 @@ class Bridge:
         self._latching: weakref.WeakSet[Any] = weakref.WeakSet()  # publishers with a history
         self._last_words: list[Heard] = []  # from contexts that have been shut down
         self.rosout: Rosout | None = None
-        self._endpoints: list[EndpointReport] = []
+        self.endpoints: list[EndpointReport] = []  # of which the judge does not know
         self._noted: list[Note] = []  # timers that are slow
         self.published: list[Published] = []
         self.changes = 0  # goes up when endpoints appear or disappear
@@ -124,7 +124,7 @@ class Bridge:
 
     def new_endpoints(self) -> list[EndpointReport]:
         """Return endpoints that the student created and that were not told of: a frame's worth."""
-        new, self._endpoints = self._endpoints[:MAX_ENDPOINTS], self._endpoints[MAX_ENDPOINTS:]
+        new, self.endpoints = self.endpoints[:MAX_ENDPOINTS], self.endpoints[MAX_ENDPOINTS:]
         return new
 
     def notes(self, kernel: Kernel) -> Iterator[Note]:
@@ -156,7 +156,7 @@ class Bridge:
         if kind in ACTIONS:
             party = self.discovery.party(node.context)
             number = getattr(party and party.program, "number", 0)
-            self._endpoints.append(report(kind, node, endpoint, process=number))
+            self.endpoints.append(report(kind, node, endpoint, process=number))
             return
         self.changes += 1
         self.discovery.note(kind, node, endpoint)
@@ -189,7 +189,7 @@ class Bridge:
             case "client":
                 self.parameters_in_use |= is_parameter_service(endpoint.service_name)
         process = getattr(endpoint._course_party.program, "number", 0)
-        self._endpoints.append(report(kind, node, endpoint, mismatch, process))
+        self.endpoints.append(report(kind, node, endpoint, mismatch, process))
 
     def _await_history(self, topic: str) -> None:
         """Wait until a new subscription has the messages published before it.
@@ -217,7 +217,7 @@ class Bridge:
                 self._noted.append(Note("timer", name, count=0, lasted=timer.timer_period_ns))
             if TIMERS < len(list(node.timers)) <= 2 * TIMERS:
                 owner = node.get_fully_qualified_name()
-                self._endpoints.append(EndpointReport("timer", owner, "", ""))
+                self.endpoints.append(EndpointReport("timer", owner, "", ""))
             return timer
 
         return create_and_count

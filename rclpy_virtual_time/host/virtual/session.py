@@ -57,6 +57,7 @@ class Session(kernel_module.World):
         self.clocks: Any = None
         self.programs: Any = None  # if there are several
         self.charge_compute = False  # from the scenario's start on
+        self._tells_ends = False  # before time goes on
         self.ending = False  # the scenario is over, and the programs have been sent SIGINT
         self.interrupt: Callable[[], None] = lambda: None  # sends it
         self.looker: Any = None  # in a drive in which somebody looks into moments
@@ -92,14 +93,16 @@ class Session(kernel_module.World):
 
     def settled(self) -> None:
         """Collect the messages published at this moment."""
-        kernel = self.kernel
-        said = self.bridge.collect(self._time())
+        kernel, bridge = self.kernel, self.bridge
+        said = bridge.collect(self._time())
         self._in_a_row = self._in_a_row + said if kernel.reading else 0
         if self._in_a_row > FREE_MESSAGES:
             kernel.toll += said * PUBLISHING
         idle = not kernel.asleep and not self._asking
-        if self._starting and (kernel.looks or self.bridge.published or idle):
+        if self._starting and (kernel.looks or bridge.published or idle):
             self._end_start()
+        if self._tells_ends and bridge.endpoints:
+            self.until = kernel.now
 
     def moved(self) -> None:
         """Time has moved: tell the clocks, and mark the output."""
@@ -173,7 +176,7 @@ class Session(kernel_module.World):
         run = self._receive_run()
         for delivery in run.deliver:
             bridge.deliver(delivery.topic, delivery.data)
-        self.until = run.until
+        self.until, self._tells_ends = run.until, run.ends
         if run.interrupt:
             self._interrupt()
         if self.charge_compute and self.kernel.meter is None:

@@ -28,10 +28,11 @@ from rclpy_virtual_time.link import pipes
 from rclpy_virtual_time.link.link import Link
 from rclpy_virtual_time.link.pipes import Pipes
 from rclpy_virtual_time.tests.fake_host import FakeHost, frame, settled
-from sim.messages import TWIST, twist
+from sim.messages import LASER_SCAN, TWIST, twist
 
 SCANS = [13_000_000 + i * 100_000_000 for i in range(10)]  # [ns] when the lidar of `short` sends
 FIRST = SCANS[0]
+START = settled(endpoints=[EndpointReport("subscription", "/node", "/scan", LASER_SCAN)])
 GO = Published(FIRST, "/cmd_vel", TWIST, twist(time=0, linear_x=0.5).data)
 
 
@@ -66,7 +67,7 @@ def forge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-u
 
 
 def test_an_honest_fake_host_completes(forge) -> None:  # type: ignore[no-untyped-def]
-    recording = forge(settled(), *(settled(time) for time in (*SCANS, 10**9)))
+    recording = forge(START, *(settled(time) for time in (*SCANS, 10**9)))
 
     assert recording.outcome.completed
     assert [message.time for message in recording.of("/scan")] == SCANS
@@ -75,22 +76,22 @@ def test_an_honest_fake_host_completes(forge) -> None:  # type: ignore[no-untype
 RAN = Moment(0, 0, 0, 0, "task", "", "", Place("f", ""), "", [], [], [], 0, "", "", [])
 TIMES = {
     "not the start": [settled(1)],
-    "back in time": [settled(), settled(FIRST), settled(0)],
-    "standing still": [settled(), settled(0)],
-    "ahead of time": [settled(), settled(10**9)],
-    "the end of time": [settled(), settled(2**62)],
-    "a message from the future": [settled(), settled(FIRST, published=[
+    "back in time": [START, settled(FIRST), settled(0)],
+    "standing still": [START, settled(0)],
+    "ahead of time": [START, settled(10**9)],
+    "the end of time": [START, settled(2**62)],
+    "a message from the future": [START, settled(FIRST, published=[
         Published(FIRST + 1, "/cmd_vel", TWIST, b"")])],
-    "a message from the past": [settled(), settled(FIRST), settled(SCANS[1], published=[
+    "a message from the past": [START, settled(FIRST), settled(SCANS[1], published=[
         Published(FIRST - 1, "/cmd_vel", TWIST, b"")])],
-    "messages in disorder": [settled(), settled(FIRST, published=[
+    "messages in disorder": [START, settled(FIRST, published=[
         GO, Published(FIRST - 1, "/cmd_vel", TWIST, b"")])],
-    "an end in the future": [settled(), encode(Ended(10**9, "returned", "", "", []))],
-    "an end in the past": [settled(), settled(FIRST), encode(Ended(0, "returned", "", "", []))],
+    "an end in the future": [START, encode(Ended(10**9, "returned", "", "", []))],
+    "an end in the past": [START, settled(FIRST), encode(Ended(0, "returned", "", "", []))],
     "early for ever": [encode(Slept(10**9))],
-    "early in the middle": [settled(), encode(Slept(10**9))],
-    "two answers": [settled() + settled(FIRST)],
-    "a moment that nobody looks into": [settled(), settled(FIRST, moments=[RAN])],
+    "early in the middle": [START, encode(Slept(10**9))],
+    "two answers": [START + settled(FIRST)],
+    "a moment that nobody looks into": [START, settled(FIRST, moments=[RAN])],
     "another kind of end": [frame({"type": "ended", "now": 0, "kind": "completed", "text": "",
                                    "detail": "", "published": []})],
 }  # fmt: skip
@@ -106,13 +107,13 @@ def test_impossible_times_are_forged(forge, what: str) -> None:  # type: ignore[
 
 
 def test_a_host_that_hangs_up_is_dead(forge) -> None:  # type: ignore[no-untyped-def]
-    outcome = forge(settled(), settled(FIRST)).outcome
+    outcome = forge(START, settled(FIRST)).outcome
 
     assert (outcome.kind, outcome.text) == ("died", "the node's process ended by itself (signal 9)")
 
 
 def test_a_host_that_says_nothing_hangs(forge) -> None:  # type: ignore[no-untyped-def]
-    outcome = forge(settled(), hang_up=False, step=0.05).outcome
+    outcome = forge(START, hang_up=False, step=0.05).outcome
 
     assert outcome.kind == "hung"
     assert outcome.detail.startswith("in the start-up\nagent.py, line 7, in on_scan\n\n")
@@ -122,7 +123,7 @@ def test_a_forged_flood_is_a_flood(forge) -> None:  # type: ignore[no-untyped-de
     long = Published(FIRST, "/" * MAX_NAME, "x" * MAX_NAME, b"")
     flood = settled(FIRST, published=[long] * MAX_PUBLISHED)
 
-    assert forge(settled(), flood, hang_up=False, most=10**6).outcome.kind == "flooded"
+    assert forge(START, flood, hang_up=False, most=10**6).outcome.kind == "flooded"
 
 
 def test_endpoints_without_end_are_a_flood(forge) -> None:  # type: ignore[no-untyped-def]
@@ -144,7 +145,7 @@ ODD = ["", "cmd_vel", "/\x00", "/a\nb", "/[bold]x[/]", "/\x1b[31m", "/ü" * 100,
 @pytest.mark.parametrize("name", ODD)
 def test_odd_names_are_just_names(forge, name: str) -> None:  # type: ignore[no-untyped-def]
     odd = Published(FIRST, name, name, b"\xff" * 52)
-    recording = forge(settled(), settled(FIRST, published=[odd]))
+    recording = forge(START, settled(FIRST, published=[odd]))
 
     assert [(m.topic, m.type) for m in recording.published] == [(name, name)]
     assert recording.outcome.kind == "died"
@@ -153,7 +154,7 @@ def test_odd_names_are_just_names(forge, name: str) -> None:  # type: ignore[no-
 @pytest.mark.parametrize("data", [b"", b"\0\1\0\0", b"\xff" * 52, b"\0\1\0\0" + b"\xff" * 48])
 def test_broken_commands_do_not_move_the_robot(forge, data: bytes) -> None:  # type: ignore[no-untyped-def]
     broken = Published(FIRST, "/cmd_vel", TWIST, data)
-    answers = [settled(), settled(FIRST, published=[broken])]
+    answers = [START, settled(FIRST, published=[broken])]
     recording = forge(*answers, *(settled(time) for time in (*SCANS[1:], 10**9)))
 
     assert recording.outcome.completed

@@ -14,7 +14,7 @@ from grader.trial import virtual_time as trial_module
 from grader.trial.virtual_time import Limits, run_trial
 from rclpy_virtual_time.link import exchange, pipes
 from sim.messages import TWIST_STAMPED
-from sim.scenario import ProgramSpec
+from sim.scenario import OdometrySpec, ProgramSpec
 
 NO_TIME = Limits(total=1e-9)  # [s]
 DRIVER = """
@@ -67,6 +67,38 @@ def test_a_robot_may_take_stamped_commands(run_node: RunNode) -> None:
 
     assert {message.type for message in recording.published} == {TWIST_STAMPED}
     assert recording.truth.v.max() == pytest.approx(0.2, abs=1e-3)
+
+
+def test_what_nobody_listens_to_costs_no_turn_until_somebody_does(run_node: RunNode) -> None:
+    scenario = replace(short(1.0), odometry=OdometrySpec(rate=50.0))
+    recording = run_node(
+        """
+        from nav_msgs.msg import Odometry
+        class Late(Echo):
+            def on_scan(self, scan):
+                if self.get_clock().now().nanoseconds % 10**12 > 5 * 10**8 and self.timer is None:
+                    self.timer = self.create_timer(0.0137, self.listen)
+            timer = None
+            def listen(self):
+                self.destroy_timer(self.timer)
+                self.create_subscription(Odometry, '/odom', self.on_odom, 10)
+                print('listening from', self.get_clock().now().nanoseconds % 10**12 // 10**5)
+            def on_odom(self, odom):
+                print('odom', odom.header.stamp.nanosec // 10**5)
+        rclpy.init()
+        rclpy.spin(Late())
+        """,
+        scenario,
+    )
+    said = [line.text.split() for line in recording.log]
+    begun = int(said[0][-1])
+    sent = [message.time // 10**5 for message in recording.of("/odom")]
+    turns = np.rint(recording.compute.time * 1e4)
+
+    assert recording.outcome.completed
+    assert [int(line[1]) for line in said[1:]] == [time for time in sent if time > begun]
+    assert begun in turns
+    assert not {time for time in sent if time < begun} & {*turns}
 
 
 def test_the_robot_rolls_on_when_its_node_is_gone(run_node: RunNode) -> None:
