@@ -298,6 +298,12 @@ def odometry_from_cdr(data: bytes) -> tuple[tuple[float, ...], tuple[float, ...]
     return _unpacked(f"{order}7d", data, at), _unpacked(f"{order}6d", data, twist_at)
 
 
+def pose_from_cdr(data: bytes) -> tuple[float, ...]:
+    """Return x, y, z and a quaternion of a PoseStamped; it raises as `odometry_from_cdr` does."""
+    _, at, order = _after_header(data, names=1)
+    return _unpacked(f"{order}7d", data, at + (4 - at) % 8)
+
+
 def float64(topic: str, time: int, value: float) -> Message:
     """Return a std_msgs/Float64."""
     return Message(topic, FLOAT64, time, _PLAIN + struct.pack("<d", value))

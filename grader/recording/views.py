@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.messages import (
-    POSE_STAMPED,
     Message,
-    decode,
     odometry_from_cdr,
+    pose_from_cdr,
     scan_from_cdr,
     twist_from_cdr,
 )
@@ -126,8 +125,8 @@ def goals(messages: Iterable[Message]) -> Goals:
     """Decode PoseStamped messages."""
     rows = []
     for message in messages:
-        position = decode(message.data, POSE_STAMPED).pose.position
-        rows.append((message.time / 1e9, position.x, position.y))
+        x, y, *_ = pose_from_cdr(message.data)
+        rows.append((message.time / 1e9, x, y))
     return Goals(*np.array(rows, dtype=float).reshape(-1, 3).T)
 
 

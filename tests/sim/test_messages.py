@@ -58,6 +58,8 @@ def test_a_goal_may_have_another_stamp(stamp: int | None, seconds: int) -> None:
     assert (message.topic, message.time, value.header.frame_id) == ("/goal_pose", 10**9, "odom")
     assert value.header.stamp.sec == seconds
     assert (value.pose.position.x, value.pose.position.y) == (5.0, 3.0)
+    turn = value.pose.orientation
+    assert messages.pose_from_cdr(message.data) == (5.0, 3.0, 0.0, turn.x, turn.y, turn.z, turn.w)
 
 
 @pytest.mark.parametrize(
