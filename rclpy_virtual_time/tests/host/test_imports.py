@@ -122,6 +122,18 @@ def test_a_program_that_imports_datetime_alone_reads_virtual_time(
     assert not warned or f"{file}:2: DeprecationWarning: datetime.datetime.utcnow" in warned[0]
 
 
+@WARM
+def test_nothing_is_left_beside_a_program(
+    learned: ForkServer | PracticeServer, folder: Path
+) -> None:
+    file = folder / "node.py"
+    file.write_text("import os\nprint(*os.listdir(os.path.dirname(__file__)))\nimport helper\n" * 2)
+    (folder / "helper.py").touch()
+    first, then = end_of(learned, file)[1]
+    assert first == then
+    assert "helper.py" in first
+
+
 @pytest.mark.parametrize(
     "lines",
     [
