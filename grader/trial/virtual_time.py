@@ -43,9 +43,9 @@ from sim.sensors import SENSOR_TOPICS
 from sim.simulation import Simulation
 
 END_NS, END_LIMIT = 10**9, 2.0  # [ns], [s of CPU time] that programs have after a SIGINT
-# Without an event, time goes by in slices: a second of many timers may take a slow machine seconds.
-# A prime number of ns: hardly one ends where a timer is due.
-SLICE_NS = 997_331_087
+# Without an event, time goes by in slices: many timers may take a slow machine seconds, and what a
+# node publishes has to fit a frame. A prime number of ns: hardly one ends where a timer is due.
+SLICE_NS = 249_999_991
 BUSY = 3  # times its limit of wall time that a trial may wait for a CPU in all
 
 Cost = Link.Cost
