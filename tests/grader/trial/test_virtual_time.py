@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from node_runs import RunNode, short
 
 from grader.course.submission import Submission
-from grader.recording import Recording
+from grader.recording import COMPLETED, Recording
 from grader.trial import virtual_time as trial_module
 from grader.trial.virtual_time import Limits, run_trial
 from rclpy_virtual_time.link import exchange, pipes
@@ -99,6 +99,20 @@ def test_what_nobody_listens_to_costs_no_turn_until_somebody_does(run_node: RunN
     assert [int(line[1]) for line in said[1:]] == [time for time in sent if time > begun]
     assert begun in turns
     assert not {time for time in sent if time < begun} & {*turns}
+
+
+def test_a_node_that_listens_to_nothing_may_publish_images(run_node: RunNode) -> None:
+    recording = run_node(
+        """
+        rclpy.init()
+        node = Node('camera')
+        publisher = node.create_publisher(String, '/image', 10)
+        node.create_timer(0.1, lambda: publisher.publish(String(data='x' * 640 * 480 * 3)))
+        rclpy.spin(node)
+        """,
+        short(1.0),
+    )
+    assert (recording.outcome.kind, len(recording.published)) == (COMPLETED, 9)
 
 
 def test_the_robot_rolls_on_when_its_node_is_gone(run_node: RunNode) -> None:
