@@ -297,7 +297,7 @@ def test_an_entry_that_cannot_be_read_is_named_and_can_be_undone(
 def test_an_impossible_time_is_none_and_a_line_says_whose(
     system: str, handed_in: Path, grade_class: Any, tmp_path: Path, capsys: Any
 ) -> None:
-    """Nobody's time stops the others; those of a zone of its own are three days late in Berlin's."""
+    """Nobody's time stops the others; bob's, of a zone, is three days late in Berlin's."""
     late, mine = "2026-05-06 22:30:00", "9999-12-31T23:59:59-12:00"
     who, sheets = {"ann": mine, "bob": late, "eve": late}, []
     if system == "nbgrader":
