@@ -13,7 +13,7 @@ import pytest
 from arena import EXERCISE, FULL, HONEST, HOSTILE, REFERENCE, SOME, Arena, Trick, children, orphans
 from rich.console import Console
 
-from grader.grading.grading import Grading, grade_submission
+from grader.grading.grading import grade_submission
 from grader.grading.plugin import UNJUDGED
 from grader.report.page import page_html, page_payload
 from grader.report.terminal import render_terminal
@@ -84,16 +84,12 @@ def test_a_hostile_submission_gains_nothing(
     assert orphans() <= before
     assert children(forkserver._process.pid) == []
     assert grading.score <= max(trick.score if FULL else 0, honest_points)
-    assert_judged(grading, trick.outcomes)
-    assert run_trial(REFERENCE, NEXT, forkserver).digest() == digest
-
-
-def assert_judged(grading: Grading, outcomes: frozenset[str]) -> None:
     unjudged = [check for check in grading.checks if check.outcome in UNJUDGED]
     assert not [check for check in unjudged if check.outcome == "error"]
     assert grading.faulty == bool(unjudged), "points are out of reach, and nobody is told"
-    if "any" not in outcomes:
-        assert {recording.outcome.kind for recording in grading.recordings} <= outcomes
+    if "any" not in trick.outcomes:
+        assert {recording.outcome.kind for recording in grading.recordings} <= trick.outcomes
+    assert run_trial(REFERENCE, NEXT, forkserver).digest() == digest
 
 
 @pytest.mark.parametrize(

@@ -10,28 +10,13 @@ from arena import EXERCISE, FULL, ROOT
 from whole_class import COURSE, hand_in
 
 from grader.classroom.queue.store import Store
-from grader.classroom.row import GRADED, StoredResult
+from grader.classroom.row import GRADED
 
 FILE = EXERCISE.files[0]
 HONEST = (EXERCISE.solutions / FILE).read_bytes()
 LIMIT = 3600  # [s]
 MAX_PAGE = 8 * 1024 * 1024  # [bytes] of a feedback page, whatever a node says and does
 SOME = ("quotes", "coding rot13", "surrogates", "null bytes", "unseen log", "no XML")
-
-
-def run_batch(folder: Path, out: Path, *options: str) -> subprocess.CompletedProcess[str]:
-    given = ("--canaries", "0", "--trust", *options)
-    return subprocess.run(
-        [*COURSE, str(folder), "--out", str(out), *given],
-        capture_output=True, text=True, check=False, cwd=ROOT, timeout=LIMIT,
-    )  # fmt: skip
-
-
-def stored(out: Path) -> dict[tuple[str, str], StoredResult]:
-    """Return what was handed in and graded or held, by student and exercise."""
-    with Store(out / "store.sqlite") as store:
-        results = store.results()
-    return {(one.student, one.exercise): one for one in results if one.attempts}
 
 
 def assert_complete(out: Path) -> None:
@@ -56,17 +41,6 @@ def assert_complete(out: Path) -> None:
     assert max(path.stat().st_size for path in pages) < MAX_PAGE
 
 
-def assert_survives_the_reporting(folder: Path, out: Path) -> None:
-    hand_in(folder, "honest", {FILE: HONEST})
-    done = run_batch(folder, out, "--exercise", EXERCISE.slug, "--workers", "2")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.replace("\n", "").isprintable()
-    assert_complete(out)
-    gradings = {one.student: one.grading for one in stored(out).values()}
-    assert gradings.pop("honest")["score"] == 100
-    assert max(grading["score"] for grading in gradings.values()) <= 20
-
-
 @pytest.mark.long
 @pytest.mark.parametrize(
     "names",
@@ -80,9 +54,21 @@ def assert_survives_the_reporting(folder: Path, out: Path) -> None:
     ids=["some", "all"],
 )
 def test_what_aims_at_the_reporting(names: tuple[str, ...], tmp_path: Path) -> None:
-    files = reporting.submissions()
+    files, folder, out = reporting.submissions(), tmp_path / "in", tmp_path / "out"
     for name in names:
-        hand_in(tmp_path / "in", name, {FILE: files[name]})
+        hand_in(folder, name, {FILE: files[name]})
     for name in reporting.NAMES[: len(names)]:
-        hand_in(tmp_path / "in", name, {FILE: b"=1"})
-    assert_survives_the_reporting(tmp_path / "in", tmp_path / "out")
+        hand_in(folder, name, {FILE: b"=1"})
+    hand_in(folder, "honest", {FILE: HONEST})
+    done = subprocess.run(
+        [*COURSE, folder, "--out", out, "--exercise", EXERCISE.slug, "--workers", "2",
+         "--canaries", "0", "--trust"],
+        capture_output=True, text=True, check=False, cwd=ROOT, timeout=LIMIT,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.replace("\n", "").isprintable()
+    assert_complete(out)
+    with Store(out / "store.sqlite") as store:
+        gradings = {one.student: one.grading for one in store.results() if one.attempts}
+    assert gradings.pop("honest")["score"] == 100
+    assert max(grading["score"] for grading in gradings.values()) <= 20

@@ -10,7 +10,6 @@ from grader.authoring.pitfalls import MADE, NODES, PITFALLS, Pitfall, grade, gra
 from grader.course.exercises import find_exercise
 from grader.course.submission import find_submission
 from grader.drive import drive_node, print_summary, scenario_for
-from grader.recording import Recording
 from rclpy_virtual_time.link.hosts import ForkServer
 
 MOST = 50  # core points for a node that everybody can copy
@@ -40,10 +39,6 @@ QUICK = {  # checks that do to show it, where all of them take long
 }
 
 
-def touched(recording: Recording) -> bool:
-    return bool(recording.truth.contact.any())
-
-
 # --- the nodes ------------------------------------------------------------------------------------
 
 
@@ -59,7 +54,7 @@ def test_a_right_node_does_well_in_the_same_scenario(runs: Runs, pitfall: Pitfal
     recording = runs.right(pitfall.name)
     assert recording.outcome.completed
     assert list(pitfall.moments(recording)) == []
-    assert not touched(recording)
+    assert not recording.truth.contact.any()
     assert np.abs(recording.truth.v).max() > 0.25  # it did drive
 
 

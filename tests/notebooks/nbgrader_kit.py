@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -17,6 +18,7 @@ from grader.nbgrader.cells import definition
 from grader.notebook.build import NOTEBOOKS, all_notebooks, asked_by, built, text_of
 
 FULL = os.environ.get("COURSE_NOTEBOOKS") == "full"
+MARKS = re.compile(r"(?ms)^ *### (?:BEGIN SOLUTION|(?:SKELETON$.*?### )?END SOLUTION)\n")
 ALL = "*"  # nbgrader's commands take it for "every assignment"
 MadeOnce = Callable[[str, Callable[[Path], object]], Path]  # of tests/conftest.py
 
@@ -176,15 +178,4 @@ def autograded(folder: Path, student: str, notebook: str) -> Any:
 
 def solution(exercise: str, file: str) -> str:
     """Return a reference solution without its marks: as a student would have it."""
-    lines = (ROOT / "solutions" / exercise / file).read_text("utf-8").splitlines()
-    kept: list[str] = []
-    inside = False
-    for line in lines:
-        mark = line.strip()
-        if mark == "### SKELETON":
-            inside = True
-        elif mark == "### END SOLUTION":
-            inside = False
-        elif not inside and mark != "### BEGIN SOLUTION":
-            kept.append(line)
-    return "\n".join(kept) + "\n"
+    return MARKS.sub("", (ROOT / "solutions" / exercise / file).read_text("utf-8"))

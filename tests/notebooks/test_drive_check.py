@@ -93,6 +93,9 @@ def test_a_right_solution_gets_all_points_in_the_terminals_words(
     assert table.split() == expected.partition("Next")[0].split()  # that is a command
     said = kernel.run("print(report.score, report.max_score, [c['id'] for c in report.checks])")
     assert said.stdout == "25 25 ['wiring', 'clear_zone', 'slow_zone']\n"
+    again = kernel.run("report")  # is shown in another cell, too
+    assert "Score  25 / 25" in again.text
+    assert "course-check" in again.html
 
 
 def test_a_failure_comes_with_its_replay_at_the_moment(kernel: Kernel) -> None:
@@ -133,14 +136,6 @@ def test_a_bar_shows_trials_and_checks_and_becomes_the_table(kernel: Kernel) -> 
     assert len(bars) >= 2
     assert re.search(r"\d+ of \d+ runs", bars[-1])
     assert said.result is None  # shown once
-
-
-def test_a_report_is_shown_again_in_another_cell(kernel: Kernel) -> None:
-    save(kernel, AGENT, RIGHT)
-    kernel.run("report = check('1:wiring')")
-    said = kernel.run("report")
-    assert "Score  5 / 5" in said.text
-    assert "course-check" in said.html
 
 
 def test_an_event_loop_and_plots_do_not_mind(kernel: Kernel) -> None:

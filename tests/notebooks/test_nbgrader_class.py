@@ -15,7 +15,6 @@ import pytest
 from nbgrader_kit import (
     ALL,
     FULL,
-    Grades,
     MadeOnce,
     autograded,
     cell_named,
@@ -178,21 +177,10 @@ def course(made_once: MadeOnce) -> Path:
     return made_once("students", grade_all)
 
 
-@pytest.fixture(scope="module")
-def gradebook(course: Path) -> Grades:
-    return grades(course)
-
-
-@pytest.fixture(scope="module")
-def scores(course: Path) -> Scores:
-    rows = json.loads((course / SCORES).read_text("utf-8"))
-    return {(student, slug): (score, checks) for student, slug, score, checks in rows}
-
-
-def test_the_gradebook_says_what_course_grade_says(
-    course: Path, gradebook: Grades, scores: Scores
-) -> None:
+def test_the_gradebook_says_what_course_grade_says(course: Path) -> None:
     """Cell by cell, and in all; but for those that a stalled machine left for a person."""
+    gradebook, rows = grades(course), json.loads((course / SCORES).read_text("utf-8"))
+    scores: Scores = {(student, slug): rest for student, slug, *rest in rows}
     unsure: set[tuple[str, str]] = set()
     for notebook in NOTEBOOKS:
         wants = asked_by(stored(notebook))

@@ -47,13 +47,6 @@ def graded(answer: Answer | None) -> Graded:
     return answer
 
 
-def wrong(tmp_path: Path) -> str:
-    file = tmp_path / AGENT
-    text = RIGHT.read_text("utf-8")
-    file.write_text(text.replace("STOP_DISTANCE = 0.5", "STOP_DISTANCE = 0.05"), "utf-8")
-    return str(file)
-
-
 def test_progress_is_told_to_the_end(forkservers: ForkServerPool) -> None:
     sent: list[Any] = []
     order = Grade("1", str(RIGHT), AGENT, ("slow_zone", "invalid_readings"))
@@ -71,7 +64,10 @@ def test_progress_is_told_to_the_end(forkservers: ForkServerPool) -> None:
 def test_a_notebook_carries_the_first_failure_first_and_not_more_than_it_can(
     forkservers: ForkServerPool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    order = Grade("1", wrong(tmp_path), AGENT)
+    file = tmp_path / AGENT
+    text = RIGHT.read_text("utf-8")
+    file.write_text(text.replace("STOP_DISTANCE = 0.5", "STOP_DISTANCE = 0.05"), "utf-8")
+    order = Grade("1", str(file), AGENT)
     answer = graded(carry_out(order, forkservers, lambda _: None))
     shown = replays(answer.page)
     failed = [c for c in json.loads(answer.grading)["checks"] if c["outcome"] == "fail"]

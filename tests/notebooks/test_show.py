@@ -31,13 +31,6 @@ def _close() -> Any:
     plt.close("all")
 
 
-def one_thing(degrees: float, distance: float) -> np.ndarray:
-    """A scan of the default lidar with nothing but one thing."""
-    ranges = np.full(360, math.inf)
-    ranges[round(degrees) + 180] = distance
-    return ranges
-
-
 def points(axes: Any) -> np.ndarray:
     """(n, 2) of what is drawn as a distance: how far left, how far ahead [m]."""
     lines = [line for line in axes.lines if line.get_label().endswith("distances")]
@@ -59,7 +52,9 @@ def test_axes_have_names_and_units_also_those_that_are_given(show: Any) -> None:
     ("degrees", "left", "ahead"), [(0, 0.0, 2.0), (90, 2.0, 0.0), (-90, -2.0, 0.0)]
 )
 def test_left_is_left_and_ahead_is_up(degrees: float, left: float, ahead: float) -> None:
-    axes = show_scan(one_thing(degrees, 2.0))
+    ranges = np.full(360, math.inf)  # of the default lidar, with nothing but one thing
+    ranges[round(degrees) + 180] = 2.0
+    axes = show_scan(ranges)
     np.testing.assert_allclose(points(axes), [[left, ahead]], atol=1e-6)
     first, last = axes.get_xlim()
     assert first > 0 > last  # the horizontal axis grows to the left

@@ -14,12 +14,7 @@ from grader.checks.verbs import (
     wired,
     within,
 )
-from grader.exercises.live_parameters.contract import (
-    CONTRACT,
-    SET,
-    by_answer,
-    starts_safely,
-)
+from grader.exercises.live_parameters.contract import CONTRACT, SET, by_answer, starts_safely
 
 WRONG = "fast near whole true list text nan never inf pair half_a_pair"
 STARTS = tuple(f"live_start_{what}" for what in WRONG.split())

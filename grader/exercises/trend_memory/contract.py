@@ -26,12 +26,7 @@ NEAR_THE_LIMIT = 0.005  # [m] |distance - 2 s · closing speed| for which both s
 
 Reading = tuple[float, float]  # (stamp [s], distance [m])
 
-CONTRACT = Contract(
-    limits=Limits(fastest=0.3),
-    free=free_from(0.65),
-    patience=4.0,
-    race=RACE,
-)
+CONTRACT = Contract(limits=Limits(fastest=0.3), free=free_from(0.65), patience=4.0, race=RACE)
 
 
 def cases(recording: Recording) -> list[Case]:

@@ -86,19 +86,16 @@ def accurate(submission: Submission, forkserver: ForkServer, key: str | None) ->
     return outcomes["model_accuracy"] == "pass"
 
 
-def handed_in(folder: Path, model: Any) -> Submission:
-    shutil.copy(EXERCISE.solutions / EXERCISE.files[0], folder)
-    (folder / EXERCISE.files[1]).write_text(BRINGS)
-    (folder / "brought.bin").write_bytes(pickle.dumps(model))
-    return find_submission(folder, EXERCISE.files[0], EXERCISE.files[1:])
-
-
 @pytest.mark.long  # `make test-proof` runs it
 @pytest.mark.parametrize("brought", ["formula", "table"])
 def test_what_was_published_helps_at_home_alone(
     brought: str, forkserver: ForkServer, tmp_path: Path
 ) -> None:
-    submission = handed_in(tmp_path, Formula() if brought == "formula" else table())
+    model = Formula() if brought == "formula" else table()
+    shutil.copy(EXERCISE.solutions / EXERCISE.files[0], tmp_path)
+    (tmp_path / EXERCISE.files[1]).write_text(BRINGS)
+    (tmp_path / "brought.bin").write_bytes(pickle.dumps(model))
+    submission = find_submission(tmp_path, EXERCISE.files[0], EXERCISE.files[1:])
     assert accurate(submission, forkserver, None)
     assert not accurate(submission, forkserver, KEY)
 

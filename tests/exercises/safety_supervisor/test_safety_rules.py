@@ -12,10 +12,6 @@ NAN = (math.nan, 0.0, 0.0, 0.0, 0.0, 0.0)
 FREE = Situation(False, (0.5, 0.0, 0.0, 0.0, 0.0, 1.9), 0.1, (2.0,), 0.1)
 
 
-def reasons(situation: Situation) -> set[str]:
-    return {decision.reason for decision in decisions(situation, last=0.5)}
-
-
 @pytest.mark.parametrize(
     ("situation", "right"),
     [
@@ -35,7 +31,7 @@ def reasons(situation: Situation) -> set[str]:
 def test_the_first_rule_that_matches_gives_the_reason(
     situation: Situation, right: set[str]
 ) -> None:
-    assert reasons(situation) == right
+    assert {decision.reason for decision in decisions(situation, last=0.5)} == right
 
 
 def test_just_as_asked_and_just_limited_look_alike() -> None:

@@ -76,29 +76,13 @@ def test_claims_hold(
     ("claim", "checks"),
     [
         pytest.param(claim, checks, id=claim.name, marks=() if soon(claim, checks) else LONG)
-        for claim, checks in WRONG
+        for claim, checks in (*WRONG, *WRONG_IN_THE_FIELD)
     ],
 )
 def test_each_check_fails_a_wrong_solution(
     claim: Claim, checks: frozenset[str], forkservers: ForkServerPool, recordings: KeptRecordings
 ) -> None:
-    require_failures(claim, checks, forkservers, recordings)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("claim", "checks"), [pytest.param(*each, id=each[0].name) for each in WRONG_IN_THE_FIELD]
-)
-def test_each_field_check_fails_a_wrong_solution(
-    claim: Claim, checks: frozenset[str], forkservers: ForkServerPool, recordings: KeptRecordings
-) -> None:
-    require_failures(claim, checks, forkservers, recordings)
-
-
-def require_failures(
-    claim: Claim, checks: frozenset[str], forkservers: ForkServerPool, recordings: KeptRecordings
-) -> None:
-    """Judge the runs of a wrong solution; each of these checks has to fail.
+    """Of its runs are judged those that show the mistake.
 
     One run after the other takes the place of the reference's, the shortest first: what shows the
     mistake in one scenario needs no trials in ten.

@@ -42,13 +42,6 @@ def test_what_a_release_lacks_is_said_before_the_work(
         release.main([str(tmp_path / "week")], standalone_mode=False)
 
 
-def test_the_command_refuses_in_one_line(tmp_path: Path) -> None:
-    (tmp_path / "notes.txt").write_text("mine")
-    done = course("release", tmp_path)
-    assert (done.code, done.out, done.err.count("\n")) == (2, "", 1)
-    assert "new or empty" in done.err
-
-
 def test_what_is_no_checkout_is_no_place_for_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

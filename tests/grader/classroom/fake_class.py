@@ -89,6 +89,11 @@ def fair(unit: Unit) -> UnitResult:
     return UnitResult(grading(*MUTANT_FAILS) if unit.student == ".mutant" else grading())
 
 
+def but(student: str, found: UnitResult) -> Judge:
+    """Return a judge who is fair to all but one."""
+    return lambda unit: found if unit.student == student else fair(unit)
+
+
 def until(student: str) -> Judge:
     """Return a fair judge who is interrupted when a student's work comes."""
 

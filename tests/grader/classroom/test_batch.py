@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from fake_class import FILE, SLUG, Drifting, fair, grading
+from fake_class import FILE, SLUG, Drifting, but, fair, grading
 from handing_in import put
 
 from grader.classroom.intake import candidates
@@ -176,12 +176,8 @@ def test_a_grader_that_judges_wrong_grades_nobody(grade_class: Any, bad: str, st
 
 
 def test_one_submission_cannot_put_the_others_in_quarantine(grade_class: Any) -> None:
-    def unsure(unit: Unit) -> UnitResult:
-        if unit.student == "ann":
-            return UnitResult(grading("stop_zone", outcome="inconclusive"))
-        return fair(unit)
-
-    results, workers, _ = grade_class(unsure, canaries=25)
+    unsure = UnitResult(grading("stop_zone", outcome="inconclusive"))
+    results, workers, _ = grade_class(but("ann", unsure), canaries=25)
     assert (workers.students.count("bob"), workers.students.count("eve")) == (1, 1)
     assert [r.state for r in results.values()] == [HELD, GRADED, GRADED]
 
@@ -216,12 +212,8 @@ def test_no_scheduler(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("outcome", ["inconclusive", "error"])
 def test_what_could_not_be_judged_gets_another_try(grade_class: Any, outcome: str) -> None:
-    def unsure(unit: Unit) -> UnitResult:
-        if unit.student == "bob":
-            return UnitResult(grading("stop_zone", outcome=outcome))
-        return fair(unit)
-
-    results, workers, _ = grade_class(unsure)
+    unsure = UnitResult(grading("stop_zone", outcome=outcome))
+    results, workers, _ = grade_class(but("bob", unsure))
     assert workers.students.count("bob") == 2
     assert results["bob"].state == HELD
     assert "could not judge stop_zone: because" in results["bob"].problem

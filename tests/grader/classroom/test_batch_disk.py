@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from fake_class import FILE, fair, grading
+from fake_class import FILE, but, grading
 
 from grader.classroom.queue import grading_run
 from grader.classroom.queue.store import Store
@@ -18,10 +18,7 @@ from grader.errors import DiskFull, is_disk_full
 
 
 def test_a_result_that_can_not_be_stored_is_held(grade_class: Any) -> None:
-    def odd(unit: Unit) -> UnitResult:
-        return UnitResult({**grading(), "odd": {1, 2}}) if unit.student == "bob" else fair(unit)
-
-    results, _, _ = grade_class(odd)
+    results, _, _ = grade_class(but("bob", UnitResult({**grading(), "odd": {1, 2}})))
     assert {name: r.state for name, r in results.items()} == {
         "ann": GRADED, "bob": HELD, "eve": GRADED,
     }  # fmt: skip
@@ -116,11 +113,7 @@ def test_a_full_disk_ends_the_batch_before_it_holds_everybody(
 def test_one_that_fills_the_disk_itself_stops_nobody(
     grade_class: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fills(unit: Unit) -> UnitResult:
-        if unit.student == "ann":
-            return UnitResult(None, "the disk was full", disk_full=True)
-        return fair(unit)
-
+    fills = but("ann", UnitResult(None, "the disk was full", disk_full=True))
     monkeypatch.setattr(grading_run, "has_space", lambda *_: True)
     results, workers, _ = grade_class(fills)
     assert workers.students == ["ann", "bob", "eve", "ann"]

@@ -213,9 +213,6 @@ def test_links_out_of_a_folder_are_not_followed(handed_in: Path, tmp_path: Path)
     problem = find_files(eve, [AGENT]).problem
     assert problem == f"expected a file {AGENT}; there are no files (links are not followed)"
     assert "link" in mallory.problem
-    for name in (AGENT, "pipe.py"):
-        with pytest.raises(OSError):
-            read_regular_file(handed_in / "eve" / name)
 
 
 def test_no_more_is_read_than_tells_that_it_is_too_much(tmp_path: Path) -> None:

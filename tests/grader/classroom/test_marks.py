@@ -298,18 +298,6 @@ def test_canvas_says_only_late(grade_class: Any, handed_in: Path, tmp_path: Path
     assert "counted as one day" in (out / "class.html").read_text()
 
 
-def test_times_of_an_exchange(grade_class: Any, handed_in: Path, tmp_path: Path) -> None:
-    for name, time in (("ann", "2026-05-04 20:00:00"), ("bob", "2026-05-06 00:00:01.5")):
-        (handed_in / name).rename(handed_in / f"{name}+week1+{time} UTC")
-    (handed_in / "eve" / FILE).unlink()
-    (handed_in / "eve").rmdir()
-    grade_class(judged)
-    out = tmp_path / "out"
-    with marking(out) as class_:
-        class_.add(Late(SLUG, 10, "2026-05-04T22:00+02:00", grace=60), "prof", WHY)
-    assert points(out) == {"ann": "70", "bob": "50"}
-
-
 def test_times_that_are_none(tmp_path: Path, graded: Path) -> None:
     file = tmp_path / "times.csv"
     with reading(graded) as class_:

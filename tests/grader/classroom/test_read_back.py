@@ -297,8 +297,8 @@ def test_an_entry_that_cannot_be_read_is_named_and_can_be_undone(
 def test_an_impossible_time_is_none_and_a_line_says_whose(
     system: str, handed_in: Path, grade_class: Any, tmp_path: Path, capsys: Any
 ) -> None:
-    """Nobody's time stops the others."""
-    late, mine = "2026-05-06 20:00:00", "9999-12-31T23:59:59-12:00"
+    """Nobody's time stops the others; bob's, of a zone, is three days late in Berlin's."""
+    late, mine = "2026-05-06 22:30:00", "9999-12-31T23:59:59-12:00"
     who, sheets = {"ann": mine, "bob": late, "eve": late}, []
     if system == "nbgrader":
         for name, time in who.items():
@@ -317,7 +317,7 @@ def test_an_impossible_time_is_none_and_a_line_says_whose(
     else:
         mine = "Friday, 31 December 9999, 11:59 PM"
         head = "Identifier,Full name,Grade,Maximum grade,Last modified (submission)\n"
-        times = (mine, *["Wednesday, 6 May 2026, 8:00 PM"] * 2)
+        times = (mine, *["Thursday, 7 May 2026, 12:30 AM"] * 2)
         for n, (name, time) in enumerate(zip(who, times, strict=True)):
             (handed_in / name).rename(handed_in / f"{name}_{n}_assignsubmission_file")
             head += f'Participant {n},{name},,100,"{time}"\n'
@@ -335,7 +335,7 @@ def test_an_impossible_time_is_none_and_a_line_says_whose(
     rule = ("--per-day", "10", "--deadline", "2026-05-04T23:59", "--zone", "Europe/Berlin")
     assert run(["marks", "late", str(out), "--all", *rule, "--why", "x"]) == 0
     assert "not counted as late: ann" in capsys.readouterr().out
-    assert points(out) == {"ann": "70", "bob": "50", "eve": ""}
+    assert points(out) == {"ann": "70", "bob": "40", "eve": ""}
     grade_class(judged, roster=read_roster(sheets))
     assert run(["marks", "undo", str(out), "1", "--why", "x"]) == 0
 

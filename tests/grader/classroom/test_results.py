@@ -168,16 +168,8 @@ def test_scores_fall_into_tenths() -> None:
 
 
 @pytest.fixture(scope="module")
-def everybody() -> tuple[list[StoredResult], ResultOptions]:
+def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Path]]:
     results, options = classes.whole_class()
-    return results, options
-
-
-@pytest.fixture(scope="module")
-def whole(
-    everybody: tuple[list[StoredResult], ResultOptions], tmp_path_factory: pytest.TempPathFactory
-) -> tuple[Path, list[Path]]:
-    results, options = everybody
     out = tmp_path_factory.mktemp("whole")
     return out, write_results(results, out, options).files
 
@@ -194,14 +186,11 @@ def test_everything_is_written_below_out(whole: tuple[Path, list[Path]]) -> None
 
 
 def test_the_same_results_make_the_same_bytes_in_any_order_and_by_several_processes(
-    everybody: tuple[list[StoredResult], ResultOptions],
-    whole: tuple[Path, list[Path]],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    whole: tuple[Path, list[Path]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(write, "MANY", 1)
     out, written = whole
-    results, options = everybody
+    results, options = classes.whole_class()
     write_results(results[::-1], tmp_path, replace(options, workers=2))
     for path in written:
         assert (tmp_path / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name

@@ -11,9 +11,7 @@ from made_results import classes
 
 from grader.classroom.batch import GradedClass
 from grader.classroom.results import feedback, write
-from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.write import Written, write_results
-from grader.classroom.row import StoredResult
 from grader.cli.batch import summary
 from grader.errors import GraderError
 from grader.lms.platforms import PLATFORMS
@@ -27,17 +25,9 @@ def broken(*_: object, **__: object) -> Any:
     raise Broken("this <b>part</b>")
 
 
-@pytest.fixture(scope="module")
-def everybody() -> tuple[list[StoredResult], ResultOptions]:
-    results, options = classes.whole_class()
-    return results, options
-
-
 @pytest.fixture
-def whole(
-    tmp_path: Path, everybody: tuple[list[StoredResult], ResultOptions]
-) -> Callable[[], tuple[Path, Written, str]]:
-    results, options = everybody
+def whole(tmp_path: Path) -> Callable[[], tuple[Path, Written, str]]:
+    results, options = classes.whole_class()
 
     def written() -> tuple[Path, Written, str]:
         some = [each for each in results if each.student in ("ada", "ben", "chen")]
@@ -125,11 +115,9 @@ def test_the_terminal_names_what_is_missing(tmp_path: Path) -> None:
 
 
 def test_a_process_that_is_ended_from_outside_is_no_traceback(
-    tmp_path: Path,
-    everybody: tuple[list[StoredResult], ResultOptions],
-    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    results, options = everybody
+    results, options = classes.whole_class()
 
     def gone(*_: object) -> Any:
         raise BrokenProcessPool("gone")

@@ -7,7 +7,7 @@ import csv
 import io
 import shutil
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -164,29 +164,11 @@ def judge(unit: Unit) -> UnitResult:
     return UnitResult(grading(score=int(told) % MOST))
 
 
-@pytest.fixture
-def graded_as(grade_class: Any, tmp_path: Path) -> Iterator[Callable[..., dict[int, str]]]:
-    """Grade the class; return the points by the roster's number, by the store's key."""
-
-    def of(folder: Path, roster: Roster, **options: Any) -> dict[int, str]:
-        grade_class(judge, roster=roster, **options)
-        with Store(folder / "store.sqlite") as store:
-            rows = store.students()
-        numbers = {id(person): n for n, person in enumerate(roster.people)}
-        keys = {person.key: numbers[id(person)] for person in roster.people}
-        table = points(folder)
-        return {keys[row.person.key]: table[row.student] for row in rows.values()
-                if row.student in table and row.person.key in keys}  # fmt: skip
-
-    yield of
-
-
 @pytest.mark.parametrize("size", [len(ODD), pytest.param(120, marks=pytest.mark.long)])
 @pytest.mark.parametrize("platform", PLATFORMS)
 def test_everybody_is_themselves(
-    platform: str, size: int, handed_in: Path, tmp_path: Path,
-    graded_as: Callable[..., dict[int, str]],
-) -> None:  # fmt: skip
+    platform: str, size: int, handed_in: Path, tmp_path: Path, grade_class: Any
+) -> None:
     put, sheet = PLATFORMS[platform]
     everybody, out = people(size), tmp_path / "out"
     (tmp_path / "roster.csv").write_text(sheet(everybody), "utf-8")
@@ -197,12 +179,22 @@ def test_everybody_is_themselves(
         handed_in.mkdir()
         put(handed_in, students, version)
 
+    def graded(**options: Any) -> dict[int, str]:
+        """Grade the class; return the points by the roster's number, by the store's key."""
+        grade_class(judge, roster=roster, **options)
+        with Store(out / "store.sqlite") as store:
+            rows = store.students()
+        keys = {person.key: number for number, person in enumerate(roster.people)}
+        table = points(out)
+        return {keys[row.person.key]: table[row.student] for row in rows.values()
+                if row.student in table and row.person.key in keys}  # fmt: skip
+
     here = [each for each in everybody if each.number not in (LATE, ABSENT)]
     hand_in(here, 0)
     expected = {each.number: str(each.number % MOST) for each in here} | {
         UNTOUCHED: "", LATE: "", ABSENT: "",
     }  # fmt: skip
-    assert graded_as(out, roster) == expected
+    assert graded() == expected
     assert {row["state"] for row in scores(out).values()} == {"graded", "not handed in"}
     twin = folder_of(out, roster, 1)
     give(out, twin, 42)
@@ -210,15 +202,15 @@ def test_everybody_is_themselves(
     # another order, a late twin, everybody once more
     hand_in([each for each in reversed(everybody) if each.number != ABSENT], 1)
     expected |= {1: "42", LATE: "0"}
-    assert graded_as(out, roster) == expected
+    assert graded() == expected
     assert folder_of(out, roster, 1) == twin
 
     # two alone: nothing is dropped without a word
     hand_in(everybody[AGAIN : AGAIN + 2], 2)
     with pytest.raises(InputError, match=r"nothing in it is of \d+ whose work is graded: .*--add"):
-        graded_as(out, roster)
+        graded()
     assert points(out)[twin] == "42"
-    assert graded_as(out, roster, add=True) == expected
+    assert graded(add=True) == expected
 
 
 def folder_of(out: Path, roster: Roster, number: int) -> str:

@@ -1,7 +1,6 @@
 """What an instructor may keep from students, and what that leaves of a page."""
 
 import json
-from typing import Any
 
 import pytest
 from made_results import check, result
@@ -16,19 +15,6 @@ SECRET = check(
     time=2.2, scenario="avoid_zones", help=HELP,
     where="line 3 of a.py, in f:  go(d)   [d = 0.42]", log="2.20 s  info: I see 0.42",
 )  # fmt: skip
-
-
-def hiding(hide: str) -> dict[str, Any]:
-    one = result("ada", check("a", "pass", 60), SECRET, check("f", "fail", 0, kind="field"))
-    assert one.grading is not None
-    runs = [
-        {"scenario": name, "title": name, "seed": 4711, "outcome": "exception", "bag": "/b"}
-        for name in ("avoid_zones", "avoid_field_lds01")
-    ]
-    cause = {"text": "stops late", "kind": "core", "where": "line 3 of a.py   [d = 0.42]"}
-    grew = ["In avoid_zones, the list seen_0.42 grew."]
-    one.grading.update(recordings=runs, field_ready=False, cause=cause, notes=grew)
-    return for_students(one.grading, ("agent.py",), ResultOptions(hide=hide).hidden)
 
 
 @pytest.mark.parametrize(
@@ -51,7 +37,16 @@ def hiding(hide: str) -> dict[str, Any]:
 def test_what_is_hidden_is_nowhere(
     hide: str, there: tuple[str, ...], not_there: tuple[str, ...]
 ) -> None:
-    shown = hiding(hide)
+    one = result("ada", check("a", "pass", 60), SECRET, check("f", "fail", 0, kind="field"))
+    assert one.grading is not None
+    runs = [
+        {"scenario": name, "title": name, "seed": 4711, "outcome": "exception", "bag": "/b"}
+        for name in ("avoid_zones", "avoid_field_lds01")
+    ]
+    cause = {"text": "stops late", "kind": "core", "where": "line 3 of a.py   [d = 0.42]"}
+    grew = ["In avoid_zones, the list seen_0.42 grew."]
+    one.grading.update(recordings=runs, field_ready=False, cause=cause, notes=grew)
+    shown = for_students(one.grading, ("agent.py",), ResultOptions(hide=hide).hidden)
     text = json.dumps({key: value for key, value in shown.items() if key != "field_ready"})
     for word in there:
         assert word in text

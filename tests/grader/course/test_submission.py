@@ -150,18 +150,15 @@ def ben(tmp_path: Path) -> Path:
     return tmp_path / "ben"
 
 
-@pytest.mark.parametrize("target", ["../ada/agent.py", "../secret.txt", "../nothing", "agent.py"])
+@pytest.mark.parametrize(
+    "target", ["../ada/agent.py", "../ada", "../secret.txt", "../nothing", "agent.py"]
+)
 def test_a_link_in_a_folder_is_refused(target: str, ben: Path) -> None:
     (ben / "agent.py").symlink_to(target)
     said = refused(ben, "agent.py")
     assert "agent.py: a link, which is not followed" in said
     assert "ada/" not in said
     assert "word" not in said
-
-
-def test_a_link_to_a_folder_is_refused(ben: Path) -> None:
-    (ben / "agent.py").symlink_to("../ada", target_is_directory=True)
-    assert "a link, which is not followed" in refused(ben, "agent.py")
 
 
 @pytest.mark.parametrize("given", [".", "agent.py"])
@@ -224,11 +221,7 @@ def test_what_comes_along_has_limits(agent: Path, monkeypatch: pytest.MonkeyPatc
     submission = find_submission(agent)
     assert set(submission.files) == {"agent.py", "helper.py", "kit/__init__.py", "kit/a.yaml"}
     left = "; ".join(submission.left)
-    for name in (
-        "link.py, other (links",
-        "long.py (over",
-        "model.onnx (over the limits",
-    ):
+    for name in ("link.py, other (links", "long.py (over", "model.onnx (over the limits"):
         assert name in left
     assert submission.account()[0] == "With the node came helper.py, kit/__init__.py, kit/a.yaml."
     monkeypatch.setattr(beside, "MAX_FILES", 2)

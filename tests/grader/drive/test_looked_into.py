@@ -11,11 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from node_runs import PREAMBLE, short
+from drives import drive_file
 
 from grader.claims.claims import Claim, claims, complete
 from grader.course.exercises import all_exercises, find_exercise
-from grader.course.submission import Submission
 from grader.drive import drive_node, scenario_for, tables_of
 from grader.launchers import ForkServerPool
 from grader.recording import Recording
@@ -123,12 +122,10 @@ def test_twenty_moments_are_what_the_recording_says(
 
 
 RAISES = """
-class Agent(Node):
+class Agent(Echo):
     def __init__(self):
         super().__init__('agent')
         self.count, self.speed = 0, 0.5
-        self.publisher = self.create_publisher(Twist, '/cmd_vel', 10)
-        self.create_subscription(LaserScan, '/scan', self.on_scan, 10)
 
     def on_scan(self, scan):
         self.count += 1
@@ -144,12 +141,10 @@ class Agent(Node):
 rclpy.init(); rclpy.spin(Agent())
 """
 TWO = """
-class Agent(Node):
+class Agent(Echo):
     def __init__(self):
         super().__init__('agent')
         self.nearest = 0.0
-        self.publisher = self.create_publisher(Twist, '/cmd_vel', 10)
-        self.create_subscription(LaserScan, '/scan', self.on_scan, 10)
         self.create_timer(0.06, self.tick)
 
     def on_scan(self, scan):
@@ -210,11 +205,7 @@ def looked(
     tmp_path: Path, looker: ForkServer, source: str, *at: float
 ) -> tuple[Recording, list[Moment]]:
     """Drive a node's text for a second, with and without looking: it is the same run."""
-    file = tmp_path / "agent.py"
-    file.write_text(PREAMBLE + source, "utf-8")
-    plain, recording = (
-        drive_node(Submission(file), short(1.0), looker, look=look) for look in ((), at)
-    )
+    plain, recording = (drive_file(tmp_path, looker, source, look=look) for look in ((), at))
     assert plain.digest() == recording.digest()
     assert plain.outcome == recording.outcome
     return recording, [moment for _, moment in recording.moments]
@@ -230,7 +221,7 @@ def test_what_came_what_changed_what_left_and_what_was_raised(
     assert again.time == second.time
     at = [random.Random(i).uniform(0, 1) for i in range(20)]
     _, moments = looked(tmp_path, looker, RAISES, *at)
-    assert not any(compared(recording, "agent.py", each) for each in (second, last, *moments))
+    assert not any(compared(recording, "foreign.py", each) for each in (second, last, *moments))
     kept = {value.name: (value.before, value.text) for value in second.values}
     assert kept == {"count": ("1", "2"), "speed": ("0.5", "0.5")}
     [sent] = second.sent
@@ -286,9 +277,7 @@ def test_no_line_of_the_program_runs_and_much_is_cut_short(
 def test_only_a_launcher_that_is_made_for_it_can_look(
     tmp_path: Path, forkserver: ForkServer
 ) -> None:
-    file = tmp_path / "agent.py"
-    file.write_text(PREAMBLE + RAISES, "utf-8")
-    recording = drive_node(Submission(file), short(1.0), forkserver, look=[0.5])
+    recording = drive_file(tmp_path, forkserver, RAISES, look=[0.5])
     assert recording.outcome.kind == "died"
     assert not recording.published
     assert not recording.moments

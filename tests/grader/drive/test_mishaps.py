@@ -22,22 +22,16 @@ def judged(policy, scenario, exercise):
     return None if mishap is None else (mishap.kind, sentence(recording, mishap))
 
 
-def by_cone(degrees):
-    """See only what is within ±degrees of straight ahead."""
-
-    def policy(scan):
-        ahead = abs(scan.angles) <= degrees * 3.1416 / 180
-        return 0.5 if scan.ranges[ahead].min() > 0.6 else 0.0
-
-    return policy
-
-
 # --- touches -------------------------------------------------------------------------------------
 
 
 def test_a_box_aside_is_named_with_the_beams_that_see_it():
+    def by_cone(scan):
+        ahead = abs(scan.angles) <= 3 * 3.1416 / 180
+        return 0.5 if scan.ranges[ahead].min() > 0.6 else 0.0
+
     scenario = world("boxes = [{ center = [1.0, 0.25], size = [0.2, 0.2] }]")
-    assert judged(by_cone(3), scenario, "1") == (
+    assert judged(by_cone, scenario, "1") == (
         "touches",
         "A box of 0.2 m at 1.0 m, 14° to the left, seen only by beams beyond 11° to the left in "
         "the last second: the robot touches it at 2.0 s.",

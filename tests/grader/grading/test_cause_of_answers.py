@@ -19,11 +19,9 @@ NODE = """
 import math
 from collections import deque
 from statistics import median
-class Agent(Node):
+class Agent(Echo):
     def __init__(self):
         super().__init__('agent')
-        self.publisher = self.create_publisher(Twist, '/cmd_vel', 10)
-        self.create_subscription(LaserScan, '/scan', self.on_scan, 10)
         self.last, self.kept, self.stopped = None, deque(maxlen=5), False
     def speed_of(self, scan):
         near = []

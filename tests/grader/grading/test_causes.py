@@ -27,11 +27,7 @@ def check(id_: str, **more: str) -> CheckResult:
 
 
 NODE = """
-class Agent(Node):
-    def __init__(self):
-        super().__init__('agent')
-        self.publisher = self.create_publisher(Twist, '/cmd_vel', 10)
-        self.create_subscription(LaserScan, '/scan', self.on_scan, 10)
+class Agent(Echo):
     def on_scan(self, scan):
         beams = list(scan.ranges)
         near = min({beams})
@@ -147,7 +143,7 @@ def test_the_rhythm_of_the_commands_is_named(run_node: RunNode, publish: str, sa
 
 def test_a_death_is_the_cause_whatever_else_failed(run_node: RunNode) -> None:
     recording = run(run_node, "beams[400:401]")
-    where = "line 33 of node.py, in on_scan:  near = min(beams[400:401])"
+    where = "line 29 of node.py, in on_scan:  near = min(beams[400:401])"
     failed = [check("slow_zone"), check("blind", scenario="avoid_zones", where=where)]
 
     cause = find_cause(EXERCISE, failed, [recording])
@@ -166,17 +162,12 @@ def test_every_hint_of_a_check_is_there(exercise: Exercise) -> None:
 
 
 DIES = """
-import threading
-class Agent(Node):
+class Agent(Echo):
     def __init__(self):
         super().__init__('agent')
-        self.publisher = self.create_publisher(Twist, '/cmd_vel', 10)
-        self.create_subscription(LaserScan, '/scan', self.on_scan, 10)
         threading.Thread(target=self.work, daemon=True).start()
     def work(self):
         self.wrok()
-    def on_scan(self, scan):
-        self.publisher.publish(Twist())
 rclpy.init()
 rclpy.spin(Agent())
 """

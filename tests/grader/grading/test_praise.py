@@ -1,9 +1,6 @@
 """What is said at full marks: what was good, and what a reader would remark without points."""
 
-from collections.abc import Iterator
 from pathlib import Path
-
-import pytest
 
 from grader.course.exercises import SOLUTIONS, find_exercise
 from grader.course.submission import find_submission
@@ -14,7 +11,6 @@ from grader.trial.trials import NodeTrials
 from rclpy_virtual_time.link.hosts import ForkServer
 
 FIRST = find_exercise("1")
-DRIVES = ["avoid_wall", "avoid_box_behind"]
 NAME = FIRST.files[0]
 REFERENCE = (SOLUTIONS / FIRST.slug / NAME).read_text("utf-8")
 
@@ -25,14 +21,8 @@ def driven(source: str, folder: Path, forkserver: ForkServer, *names: str) -> li
         return [trials.get(name) for name in names]
 
 
-@pytest.fixture(scope="module")
-def right(
-    forkserver: ForkServer, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[list[Recording]]:
-    yield driven(REFERENCE, tmp_path_factory.mktemp("right"), forkserver, *DRIVES)
-
-
-def test_what_was_good_is_said_in_numbers(right: list[Recording]) -> None:
+def test_what_was_good_is_said_in_numbers(forkserver: ForkServer, tmp_path: Path) -> None:
+    right = driven(REFERENCE, tmp_path, forkserver, "avoid_wall", "avoid_box_behind")
     scans = sum(len(each.delivered) for each in right)
     kept = min(each.truth.clearance.min() for each in right)
     said = praise_of(right)

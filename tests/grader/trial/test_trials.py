@@ -1,10 +1,10 @@
 """The trials of one grading: how often robots are built, and what a fault of ours costs."""
 
 import re
-from collections import Counter
 from pathlib import Path
 
 import pytest
+from node_runs import PREAMBLE
 
 from grader.course import installed
 from grader.course.exercises import SOLUTIONS, find_exercise
@@ -24,33 +24,27 @@ CLUTTERED = "avoid_store"  # its seed is chosen among several layouts
 REFERENCE = SOLUTIONS / "obstacle_avoidance" / "obstacle_avoidance_agent.py"
 
 
-@pytest.fixture
-def builds(monkeypatch: pytest.MonkeyPatch) -> Counter[tuple[float, float, float]]:
-    """Count the robots that simulations put into a world, by their start."""
-    counts: Counter[tuple[float, float, float]] = Counter()
-
-    class Counted(Robot):
-        def __init__(self, spec, layout, **options) -> None:
-            counts[layout.start] += 1
-            super().__init__(spec, layout, **options)
-
-    monkeypatch.setattr(simulation, "Robot", Counted)
-    return counts
-
-
 @pytest.mark.parametrize("seed", [None, 7])
 def test_a_graded_trial_builds_one_simulation(
-    forkserver: ForkServer, builds: Counter[tuple[float, float, float]], seed: int | None
+    forkserver: ForkServer, monkeypatch: pytest.MonkeyPatch, seed: int | None
 ) -> None:
+    starts: list[tuple[float, float, float]] = []  # of the robots that are put into a world
+
+    class Noted(Robot):
+        def __init__(self, spec, layout, **options) -> None:
+            starts.append(layout.start)
+            super().__init__(spec, layout, **options)
+
+    monkeypatch.setattr(simulation, "Robot", Noted)
     scenario = load_scenario(CLUTTERED)
     chosen = trial_seed(scenario, seed)
     assert (chosen == scenario.seed) == (seed is None)
-    assert not builds  # nor does choosing a seed build one
+    assert not starts  # nor does choosing a seed build one
     with NodeTrials(Submission(REFERENCE), forkserver, seed=seed) as trials:
         recording = trials.get(CLUTTERED)
 
     assert (recording.outcome.completed, recording.seed) == (True, chosen)
-    assert builds == {recording.layout.start: 1}
+    assert starts == [recording.layout.start]
 
 
 def test_what_a_scenarios_models_are_written_with_has_to_be_installed(
@@ -166,14 +160,7 @@ def test_a_submission_may_publish_so_much_in_all_its_trials(
 
 
 GROWS = """
-import rclpy
-from geometry_msgs.msg import Twist
-from rclpy.node import Node
-from sensor_msgs.msg import LaserScan
-class Agent(Node):
-    def __init__(self):
-        super().__init__("agent")
-        self.create_subscription(LaserScan, "/scan", self.on_scan, 10)
+class Agent(Echo):
     def on_scan(self, scan):
         self.create_publisher(Twist, "/cmd_vel", 10).publish(Twist())
 rclpy.init()
@@ -188,7 +175,7 @@ def test_a_grading_notes_what_grows_and_what_fails_after_ctrl_c(
     forkserver: ForkServer, tmp_path: Path
 ) -> None:
     file = tmp_path / "obstacle_avoidance_agent.py"
-    file.write_text(GROWS)
+    file.write_text(PREAMBLE + GROWS)
     with NodeTrials(Submission(file), forkserver) as trials:
         trials.prepare(["avoid_zones"])
         assert trials.get("avoid_zones").outcome.completed
