@@ -57,7 +57,10 @@ def show(
         from grader.report.page import json_text  # noqa: PLC0415
 
         text = json_text(result)
-        write(text) if json_ == JSON_STDOUT else Path(json_).write_text(text, "utf-8")
+        if json_ == JSON_STDOUT:
+            write(text)
+        else:
+            Path(json_).write_text(text, "utf-8")
     if report is not None:
         title = f"{grading.exercise.title}: {Path(grading.file).name}"
         write_report(report, result, list(grading.recordings), title, quiet=bool(json_))
