@@ -50,7 +50,7 @@ def is_halt(recording: Recording) -> bool:
     return outcome.kind in ("hung", "never_spun") or not recording.delivered
 
 
-def roll_on(simulation: Simulation, reached: int, commands: Sequence[Command]) -> None:
+def roll_on(simulation: Simulation, reached: int, commands: Sequence[Command] = ()) -> None:
     """Let the robot roll on for a while after its node ended at `reached` [ns]."""
     until = max(simulation.now, min(reached + AFTERMATH_NS, simulation.end))
     simulation.advance(until, commands)

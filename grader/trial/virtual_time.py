@@ -324,8 +324,11 @@ class _Trial:
         commands = recorder.hear(answer.published, began, reached)
         self._waited += cost.waited
         recorder.compute.append((began / 1e9, cost.wall, cost.cpu, cost.queued))
+        coming = self._simulation.advance(reached, commands)
+        unheard = [message for message in coming if message.time < agreed]  # or it were a turn
+        recorder.delivered += unheard
         if isinstance(answer, Ended):
-            endings.roll_on(self._simulation, reached, commands)
+            endings.roll_on(self._simulation, reached)
             return []
         if answer.starting:
             raise HostForged("a start-up in the middle of the trial")
@@ -336,7 +339,7 @@ class _Trial:
             self._stuck = None
         elif self._stuck is None:
             self._stuck = reached / 1e9
-        return self._simulation.advance(reached, commands)
+        return coming[len(unheard) :]
 
     def _outcome(self, kind: str, text: str, detail: str = "") -> Outcome:
         return Outcome(kind, text, self._at, detail)

@@ -113,6 +113,13 @@ def test_a_node_that_listens_to_nothing_may_publish_images(run_node: RunNode) ->
         short(1.0),
     )
     assert (recording.outcome.kind, len(recording.published)) == (COMPLETED, 9)
+    assert len(recording.of("/scan")) == 10
+
+
+def test_what_nobody_listened_to_is_known_up_to_a_node_s_end(run_node: RunNode) -> None:
+    brief = "rclpy.init(); node = Node('brief'); node.create_timer(0.55, exit); rclpy.spin(node)"
+    recording = run_node(brief, short(1.0))
+    assert (recording.outcome.kind, len(recording.of("/scan"))) == ("exited", 6)
 
 
 def test_the_robot_rolls_on_when_its_node_is_gone(run_node: RunNode) -> None:
