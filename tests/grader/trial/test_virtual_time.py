@@ -94,7 +94,6 @@ def test_what_nobody_listens_to_costs_no_turn_until_somebody_does(run_node: RunN
     begun = int(said[0][-1])
     sent = [message.time // 10**5 for message in recording.of("/odom")]
     turns = np.rint(recording.compute.time * 1e4)
-
     assert recording.outcome.completed
     assert [int(line[1]) for line in said[1:]] == [time for time in sent if time > begun]
     assert begun in turns
