@@ -16,9 +16,8 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +46,7 @@ class Exporter:
         request = json.dumps({"suffix": suffix, "probe": probe, "settings": dict(settings)})
         with self._lock:
             if request not in self._made:
-                self._made[request] = _kept(request) or _keep(request, self._ask(request))
+                self._made[request] = _kept(request, self._ask)
             return self._made[request]
 
     def close(self) -> None:
@@ -87,19 +86,17 @@ class Exporter:
         return self._process
 
 
-def _kept(request: str) -> bytes | None:
+def _kept(request: str, make: Callable[[str], bytes]) -> bytes:
+    """Return the file for a request; one that is made anew is kept, if there are room and home."""
     with contextlib.suppress(OSError):
         return _place(request).read_bytes()
-    return None
-
-
-def _keep(request: str, content: bytes) -> bytes:
-    with contextlib.suppress(OSError):  # there is no room, or no home
+    content = make(request)
+    with contextlib.suppress(OSError):
         place = _place(request)
         place.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=place.parent, delete=False) as file:
-            file.write(content)
-        Path(file.name).replace(place)
+        written = place.with_suffix(f".{os.getpid()}")
+        written.write_bytes(content)
+        written.replace(place)
     return content
 
 
