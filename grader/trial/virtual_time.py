@@ -338,7 +338,7 @@ class _Trial:
         if answer.spinning or answer.asleep:
             self._stuck = None
         elif self._stuck is None:
-            self._stuck = reached / 1e9
+            self._stuck = min(answer.parked, reached) / 1e9
         return coming[len(unheard) :]
 
     def _outcome(self, kind: str, text: str, detail: str = "") -> Outcome:

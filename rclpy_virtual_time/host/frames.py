@@ -274,6 +274,7 @@ class Settled(msgspec.Struct, frozen=True, tag="settled"):
     starting: bool = False  # the program starts up, before the scenario, and waits for an answer
     notes: Notes = []  # new or changed ones
     moments: Moments = []  # as much as is known by now
+    parked: Nanoseconds = 0  # when a thread ran last
 
 
 class Ended(msgspec.Struct, frozen=True, tag="ended"):

@@ -42,6 +42,7 @@ TYPED = {  # after the reference; where nothing is said, the first three mutants
     "three_nodes": ("two_guards", "past_the_guard", "nan_gets_through"),
 }
 SLUG = "obstacle_avoidance"
+RIGHT = (find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py").read_text()
 BOMB = zlib.compress(bytes(2**21))  # short; it unpacks to more than a link may
 KEPT = """async () => {
   while (!await caches.match(location.pathname)) await new Promise(requestAnimationFrame);
@@ -140,10 +141,8 @@ def test_nodes_that_are_typed_in_get_the_verdicts_of_course_grade(
 
 def test_the_first_failure_is_shown_where_it_happens(open_workspace: Any) -> None:
     page = open_workspace()
-    reference = find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py"
-    text = reference.read_text()
-    assert text.count("twist.linear.x = speed") == 1
-    check(page, text.replace("twist.linear.x = speed", "twist.linear.x = speed + 0.3"))
+    assert RIGHT.count("twist.linear.x = speed") == 1
+    check(page, RIGHT.replace("twist.linear.x = speed", "twist.linear.x = speed + 0.3"))
     button = page.locator("li[data-outcome=fail] button").first
     moment = button.inner_text().removeprefix("Show ").removesuffix(" s")
     replay = page.frame_locator(".ws-replay iframe")  # it leads up to the moment, and stops there
@@ -160,9 +159,8 @@ def test_what_the_node_logs_and_prints_leads_to_its_moment(
 ) -> None:
     page = open_workspace(viewport={"width": width, "height": 800})
     settle(page)
-    text = (find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py").read_text()
     said = 'twist.linear.x = speed\n        print("it is", speed)'
-    type_in(page, text.replace("twist.linear.x = speed", said))
+    type_in(page, RIGHT.replace("twist.linear.x = speed", said))
     page.keyboard.press("Control+Enter")
     settle(page)
     replay = page.frame_locator(".ws-replay iframe")
@@ -193,11 +191,10 @@ def test_changes_are_those_since_the_last_version_that_passed(
     page = open_workspace()
     changes = page.get_by_role("button", name="Changes")
     assert changes.is_disabled()
-    text = (find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py").read_text()
-    assert check(page, text) == "100 of 100 points."
+    assert check(page, RIGHT) == "100 of 100 points."
     changes.click()
     assert "This is what passed" in page.locator(".ws-score").inner_text()
-    check(page, text.replace("twist.linear.x = speed", "twist.linear.x = speed + 0.3") + "# more")
+    check(page, RIGHT.replace("twist.linear.x = speed", "twist.linear.x = speed + 0.3") + "# more")
     changes.click()
     changed = page.locator(".ws-changes [data-sign]:not([data-sign=' '])").all_inner_texts()
     assert [line.split(maxsplit=1) for line in changed] == [
@@ -210,8 +207,7 @@ def test_changes_are_those_since_the_last_version_that_passed(
 def test_a_node_that_wrecks_python_leaves_nothing_for_the_next(open_workspace: Any) -> None:
     page = open_workspace()
     assert check(page, WRECKS).startswith("0 of 100")
-    reference = find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py"
-    assert check(page, reference.read_text()) == "100 of 100 points."
+    assert check(page, RIGHT) == "100 of 100 points."
 
 
 def test_nobody_types_to_a_node(open_workspace: Any) -> None:
@@ -243,9 +239,8 @@ def test_two_hundred_trials_in_one_worker_leave_nothing_behind(
 def test_a_drive_slower_than_a_robots_is_called_that(open_workspace: Any) -> None:
     page = open_workspace()
     settle(page)
-    text = (find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py").read_text()
     slow = "sum(i * i for i in range(4_000_000))"
-    type_in(page, text.replace("distance = front_distance(scan)", f"distance = {slow}"))
+    type_in(page, RIGHT.replace("distance = front_distance(scan)", f"distance = {slow}"))
     page.keyboard.press("Control+Enter")
     page.locator(".ws-status", has_text="more slowly than a robot").wait_for(timeout=SLOW)
     page.get_by_role("button", name="Stop", exact=True).click()
@@ -476,7 +471,7 @@ def test_a_check_with_a_seed_is_of_other_worlds_and_one_can_be_kept(open_workspa
 def test_what_is_typed_during_a_check_is_not_checked(open_workspace: Any) -> None:
     page = open_workspace()
     settle(page)
-    type_in(page, (find_exercise(SLUG).solutions / "obstacle_avoidance_agent.py").read_text())
+    type_in(page, RIGHT)
     page.keyboard.press("Control+Shift+Enter")
     page.locator("dialog.workspace[aria-busy=true]").wait_for()  # a run may be over in no time
     type_in(page, "# changed\n")

@@ -116,6 +116,7 @@ class Kernel:
         shows at its first call that its period is over.
         """
         self.now = now  # [ns] since the start of the scenario
+        self.parked = now  # [ns] when a thread parked last
         self._first = now - AHEAD  # [ns] what a clock shows at least
         self._shown = self._first  # [ns] the latest time that one has shown
         self._limit = 0  # [ns] see _find_limit; 0: not known
@@ -174,6 +175,7 @@ class Kernel:
         thread = self.me()
         thread.woken = thread.goes_on_waiting = False
         thread.parked, thread.until = True, deadline
+        self.parked = self.now
         self._limit = 0
         if waiters is not None:
             waiters.append((thread, thread.ticket))

@@ -170,6 +170,7 @@ class Session(kernel_module.World):
                 asked=self._take_questions(),
                 notes=self._take_notes(),
                 moments=self.looker.news() if self.looker else [],
+                parked=max(0, self.kernel.parked),
             )
         )
         self._looks = self.kernel.looks

@@ -75,18 +75,15 @@ def test_what_nobody_listens_to_costs_no_turn_until_somebody_does(run_node: RunN
         """
         from nav_msgs.msg import Odometry
         class Late(Echo):
-            def on_scan(self, scan):
-                if self.get_clock().now().nanoseconds % 10**12 > 5 * 10**8 and self.timer is None:
-                    self.timer = self.create_timer(0.0137, self.listen)
-            timer = None
             def listen(self):
-                self.destroy_timer(self.timer)
                 self.create_subscription(Odometry, '/odom', self.on_odom, 10)
                 print('listening from', self.get_clock().now().nanoseconds % 10**12 // 10**5)
             def on_odom(self, odom):
                 print('odom', odom.header.stamp.nanosec // 10**5)
         rclpy.init()
-        rclpy.spin(Late())
+        node = Late()
+        node.create_timer(0.5137, node.listen)
+        rclpy.spin(node)
         """,
         scenario,
     )
