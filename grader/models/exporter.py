@@ -1,8 +1,4 @@
-"""Get model files from another process: the judge imports no machine-learning library.
-
-That process imports for a second or more. So a file is kept for this user's next command, under a
-name that stands for all it depends on.
-"""
+"""Get model files, kept or from another process: the judge imports no machine-learning library."""
 
 from __future__ import annotations
 

@@ -84,9 +84,13 @@ def test_a_scan_and_the_odometry_come_together(tmp_path: Path, forkserver: ForkS
 import rclpy
 from message_filters import ApproximateTimeSynchronizer, Subscriber
 from nav_msgs.msg import Odometry
+from rclpy.qos import QoSProfile
 from sensor_msgs.msg import LaserScan
+from tf2_msgs.msg import TFMessage
 rclpy.init()
 node = rclpy.create_node("together")
+late = TFMessage, "/tf_static", lambda _: print("late"), QoSProfile(depth=1, durability=1)
+node.create_timer(0.3, lambda: node.create_subscription(*late))
 ends = [Subscriber(node, LaserScan, "/scan"), Subscriber(node, Odometry, "/odom", qos_profile=5)]
 both = ApproximateTimeSynchronizer(ends, 10, slop=0.1)
 both.registerCallback(lambda scan, odom: print("together", len(scan.ranges), odom.child_frame_id))
@@ -94,6 +98,7 @@ rclpy.spin(node)
 """
     said = [line.text for line in listen(tmp_path, forkserver, together).log]
     assert [line.rpartition(" ")[2] for line in said if "together" in line] == ["base_link"] * 5
+    assert said.count("late") == 1
 
 
 def test_a_volatile_subscription_does_not_hear_what_was_sent_once(
