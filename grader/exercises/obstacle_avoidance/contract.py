@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from grader.checks.ahead import HAIR, front_distances
+from grader.checks.ahead import HAIR, Distances, front_distances
 from grader.checks.case import Case, answered, exactly
 from grader.checks.commands import answers
 from grader.checks.contract import RACE, Contract, free_from
@@ -28,14 +28,18 @@ def cases(recording: Recording) -> list[Case]:
     ]
 
 
-@lru_cache(maxsize=4096)
 def right_speeds(scan: Scan) -> frozenset[float]:
     """Return the speeds [m/s] that are right for a scan.
 
     There are several where the contract leaves room: for beams within 1° of the sector's edge, and
     for distances within 1 mm of a threshold, unless they are exactly on it.
     """
-    return frozenset(s for distance in front_distances(scan) for s in _speeds_for(distance))
+    return _right_speeds(front_distances(scan))
+
+
+@lru_cache(maxsize=4096)
+def _right_speeds(distances: Distances) -> frozenset[float]:
+    return frozenset(s for distance in distances for s in _speeds_for(distance))
 
 
 def _speeds_for(distance: float | None) -> set[float]:
