@@ -1,7 +1,9 @@
-"""A scenario of a few lines, simulated for a few seconds; and a world with one of everything."""
+"""A scenario of a few lines, simulated or refused; and a world with one of everything."""
 
 import numpy as np
+import pytest
 
+from sim.errors import InputError
 from sim.messages import LASER_SCAN, decode
 from sim.placement import build_layout
 from sim.scenario_files import scenario_from_toml
@@ -28,6 +30,14 @@ def simulate(text, commands=(), seconds=6.0, world="open"):
     scenario = scenario_from_toml(f'title = "x"\nworld = "{world}"\n{text}', "x")
     simulation = Simulation(scenario)
     return simulation, simulation.advance(round(seconds * SECOND), commands)
+
+
+def refusal(read, *given):
+    """Return what is said of an input that is refused."""
+    with pytest.raises(InputError) as caught:
+        read(*given)
+    assert caught.value.__cause__ is None
+    return str(caught.value)
 
 
 def scans_in(messages):

@@ -68,6 +68,10 @@ def caster_for(layout, profile):
     )
 
 
+def cast(world, *pose, name="default"):
+    return caster_for(build_layout(world), PROFILES[name]).cast(*pose or (0.0, 0.0, 0.0))
+
+
 def assert_exact(ranges, segments, place, angles, range_max):
     """Compare with the oracle; beams that just graze an end may go either way."""
     long = dense_ranges(segments, place, angles, range_max, reach=1e-9)
@@ -94,22 +98,17 @@ def test_casts_what_the_dense_oracle_casts(world, place, yaw, name):
 
 
 def test_beams_exactly_through_the_corners_of_a_square_see_them():
-    square = build_layout(World(walls=(Wall(((-1, -1), (1, -1), (1, 1), (-1, 1)), closed=True),)))
-    ranges = caster_for(square, PROFILES["default"]).cast(0.0, 0.0, 0.0)
+    ranges = cast(World(walls=(Wall(((-1, -1), (1, -1), (1, 1), (-1, 1)), closed=True),)))
     assert ranges[[45, 135, 225, 315]] == pytest.approx([math.sqrt(2)] * 4, abs=1e-9)
     assert ranges[[0, 90, 180, 270]] == pytest.approx([1.0] * 4, abs=1e-12)
 
 
 def test_walls_are_seen_from_both_sides_and_solids_from_outside():
-    wall = build_layout(World(walls=(Wall(((1, -1), (1, 1))),)))
-    caster = caster_for(wall, PROFILES["default"])
-    assert caster.cast(0.0, 0.0, 0.0)[180] == pytest.approx(1.0)
-    assert caster.cast(2.0, 0.0, math.pi)[180] == pytest.approx(1.0)
-    box = build_layout(World(boxes=(Box((0, 0), (1, 1)),)))
-    inside = caster_for(box, PROFILES["default"]).cast(0.0, 0.0, 0.0)
-    assert np.isinf(inside).all()
-    edge_on = build_layout(World(walls=(Wall(((1, 0), (3, 0))),)))
-    assert np.isinf(caster_for(edge_on, PROFILES["default"]).cast(0.0, 0.0, 0.0)).all()
+    wall = World(walls=(Wall(((1, -1), (1, 1))),))
+    assert cast(wall)[180] == pytest.approx(1.0)
+    assert cast(wall, 2.0, 0.0, math.pi)[180] == pytest.approx(1.0)
+    assert np.isinf(cast(World(boxes=(Box((0, 0), (1, 1)),)))).all()  # from inside
+    assert np.isinf(cast(World(walls=(Wall(((1, 0), (3, 0))),)))).all()  # edge on
 
 
 def test_moving_faces_count_for_one_scan_only():
@@ -120,6 +119,6 @@ def test_moving_faces_count_for_one_scan_only():
 
 
 def test_nothing_beyond_range_max_is_seen():
-    far = build_layout(World(walls=(Wall(((3.6, -9), (3.6, 9))),)))
-    assert np.isinf(caster_for(far, PROFILES["lds01"]).cast(0.0, 0.0, 0.0)).all()
-    assert caster_for(far, PROFILES["lds01"]).cast(0.2, 0.0, 0.0)[0] == pytest.approx(3.4)
+    far = World(walls=(Wall(((3.6, -9), (3.6, 9))),))
+    assert np.isinf(cast(far, name="lds01")).all()
+    assert cast(far, 0.2, 0.0, 0.0, name="lds01")[0] == pytest.approx(3.4)

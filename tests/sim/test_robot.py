@@ -32,25 +32,19 @@ def held(begin, end, v, w=0.0):
 
 
 @pytest.mark.parametrize(
-    ("spec", "linear", "angular"),
-    [("", 0.5, -1.9), ("max_linear = 0.2\nmax_angular = 0.5", 0.2, -0.5)],
+    ("spec", "fastest", "gains"),
+    [
+        ("", (0.5, -1.9), (0.9, 7.0)),
+        ("max_linear = 0.2\nmax_angular = 0.5", (0.2, -0.5), (0.9, 7.0)),
+        ('name = "turtlebot3_burger"', (0.22, -2.84), (2.5, 3.2)),
+    ],
 )
-def test_the_robot_obeys_its_limits(spec, linear, angular):
+def test_a_robot_obeys_its_limits(spec, fastest, gains):
     text = f"[robot]\nstart = [-5, 0, 0]\n{spec}"
     truth = drive(text, held(0, 5, 9.0, -9.0), 5, 'world = "open"')
-    assert truth.v.max() == pytest.approx(linear)
-    assert truth.w.min() == pytest.approx(angular)
-    assert np.abs(np.diff(truth.v)).max() <= 0.9 * 0.02 + 1e-9
-    assert np.abs(np.diff(truth.w)).max() <= 7.0 * 0.02 + 1e-9
-
-
-def test_a_scenario_names_its_robot():
-    text = '[robot]\nname = "turtlebot3_burger"'
-    truth = drive(text, held(0, 5, 9.0, -9.0), 5, 'world = "open"')
-    assert truth.v.max() == pytest.approx(0.22)
-    assert truth.w.min() == pytest.approx(-2.84)
-    assert np.diff(truth.v).max() == pytest.approx(2.5 * 0.02)
-    assert np.diff(truth.w).min() == pytest.approx(-3.2 * 0.02)
+    assert (truth.v.max(), truth.w.min()) == pytest.approx(fastest)
+    changes = (np.abs(np.diff(each)).max() / 0.02 for each in (truth.v, truth.w))
+    assert tuple(changes) == pytest.approx(gains)
 
 
 @pytest.mark.parametrize("name", ROBOTS)

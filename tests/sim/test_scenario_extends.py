@@ -4,8 +4,8 @@ from pathlib import Path
 
 import msgspec
 import pytest
+from simulated import refusal
 
-from sim.errors import InputError
 from sim.scenario import Scenario
 from sim.scenario_files import load_scenario, scenario_from_toml
 from sim.world import load_world
@@ -48,15 +48,6 @@ def mine(course: Path, text: str) -> Scenario:
     path = course / "mine.toml"
     path.write_text(text)
     return load_scenario("mine")
-
-
-def refusal(course: Path, text: str) -> str:
-    """Return what is said of the file mine.toml, after its path."""
-    with pytest.raises(InputError) as caught:
-        mine(course, text)
-    where, _, what = str(caught.value).partition("mine.toml: ")
-    assert where == f"{course}/"
-    return what
 
 
 # --- what is inherited ---------------------------------------------------------------------------
@@ -136,20 +127,16 @@ REFUSED = {
 @pytest.mark.parametrize("text", REFUSED)
 def test_what_can_not_be_extended_is_said(course: Path, text: str) -> None:
     (course / "longer.toml").write_text('title = "x"\nextends = "wall"')
-    assert refusal(course, text).startswith(REFUSED[text])
+    assert refusal(mine, course, text).startswith(f"{course}/mine.toml: {REFUSED[text]}")
 
 
 def test_a_circle_is_refused(course: Path) -> None:
     (course / "wall.toml").write_text('title = "x"\nextends = "mine"')
-    assert refusal(course, HEAD) == (
-        "extends = \"wall\": 'wall' extends 'mine'; expected a scenario that extends none"
-    )
+    said = "extends = \"wall\": 'wall' extends 'mine'; expected a scenario that extends none"
+    assert refusal(mine, course, HEAD) == f"{course}/mine.toml: {said}"
 
 
 def test_a_mistake_of_the_base_is_named_in_its_file(course: Path) -> None:
     (course / "wall.toml").write_text(BASE.replace("radius", "raduis"))
-    with pytest.raises(InputError) as caught:
-        mine(course, HEAD + "[robot]\nradius = 0.3")
-    assert str(caught.value) == (
-        f"{course / 'wall.toml'}: unknown key 'robot.raduis'; did you mean 'radius'?"
-    )
+    said = refusal(mine, course, HEAD + "[robot]\nradius = 0.3")
+    assert said == f"{course}/wall.toml: unknown key 'robot.raduis'; did you mean 'radius'?"

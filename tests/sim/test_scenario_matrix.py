@@ -3,11 +3,12 @@
 from pathlib import Path
 
 import pytest
+from simulated import refusal
 
-from sim.errors import InputError
 from sim.scenario_files import load_scenario, scenario_from_toml, scenario_names
 
 TWO = "expected two distances, [5.0, 0.4]"
+COUNT, EVERY = "expected a count from 1 to 20000", "expected seconds from turn to turn"
 WRITTEN = 'expected distances as the labels write them, ["0.30", "5"]'
 BENCH = 'title = "x"\nduration = 1.0\nbench = [{}]\n'
 
@@ -35,22 +36,6 @@ def test_each_distance_is_a_scan_labelled_as_it_is_written() -> None:
     assert (first.label, first.fill, first.tags) == ("0.30 m ahead", 9.0, ("near",))
     assert [scan.patches[0].range for scan in (first, second)] == [0.3, 5.0]
     assert (second.label, last.label, last.fill, last.repeat) == ("5 m ahead", "1.20 m", 1.2, 9)
-
-
-@pytest.mark.parametrize(
-    ("ramp", "said"),
-    [
-        ("{ ramp = [1.0, 0.4] }", "bench.0: scans = null: expected at least 2 for a ramp"),
-        ("{ ramp = [1.0], scans = 3 }", f"bench.0: ramp = [1.0]: {TWO}"),
-        ("{ each = [1.0] }", f"bench.0: each = [1.0]: {WRITTEN}"),
-        ("{ each = [] }", f"bench.0: each = []: {WRITTEN}"),
-        ('{ each = ["1 m"] }', f'bench.0: each = ["1 m"]: {WRITTEN}'),
-    ],
-)
-def test_a_ramp_that_is_none_is_named(ramp: str, said: str) -> None:
-    with pytest.raises(InputError) as caught:
-        scenario_from_toml(BENCH.format(ramp), "mine.toml")
-    assert str(caught.value) == f"mine.toml: {said}"
 
 
 def test_scans_in_turn_are_repeated_together() -> None:
@@ -81,17 +66,21 @@ def test_events_are_repeated_later(entries: str, times: list[float]) -> None:
 @pytest.mark.parametrize(
     ("text", "entry", "said"),
     [
-        (BENCH, "{ of = [{}] }", "bench.0: repeat = null: expected a count from 1 to 20000"),
+        (BENCH, "{ ramp = [1.0, 0.4] }", "bench.0: scans = null: expected at least 2 for a ramp"),
+        (BENCH, "{ ramp = [1.0], scans = 3 }", f"bench.0: ramp = [1.0]: {TWO}"),
+        (BENCH, "{ each = [1.0] }", f"bench.0: each = [1.0]: {WRITTEN}"),
+        (BENCH, "{ each = [] }", f"bench.0: each = []: {WRITTEN}"),
+        (BENCH, '{ each = ["1 m"] }', f'bench.0: each = ["1 m"]: {WRITTEN}'),
+        (BENCH, "{ of = [{}] }", f"bench.0: repeat = null: {COUNT}"),
         (BENCH, "{ repeat = 2, of = 3 }", "bench.0: of = 3: expected a list"),
         (BENCH, "{ repeat = 2, of = [], fill = 1.0 }", "bench.0: unknown key 'fill' beside 'of'"),
-        (SCRIPT, "{ at = 1.0, repeat = 0, every = 1.0 }", "script.0: repeat = 0: expected a count"),
-        (SCRIPT, "{ at = 1.0, repeat = 2 }", "script.0: every = null: expected seconds from turn"),
+        (SCRIPT, "{ at = 1.0, repeat = 0, every = 1.0 }", f"script.0: repeat = 0: {COUNT}"),
+        (SCRIPT, "{ at = 1.0, repeat = 2 }", f"script.0: every = null: {EVERY}"),
     ],
 )
-def test_a_repeat_that_is_none_is_named(text: str, entry: str, said: str) -> None:
-    with pytest.raises(InputError) as caught:
-        scenario_from_toml(text.format(entry), "mine.toml")
-    assert str(caught.value).startswith(f"mine.toml: {said}")
+def test_a_ramp_or_a_repeat_that_is_none_is_named(text: str, entry: str, said: str) -> None:
+    refused = refusal(scenario_from_toml, text.format(entry), "mine.toml")
+    assert refused == f"mine.toml: {said}"
 
 
 def test_a_bench_stands_in_an_empty_world_without_odometry() -> None:
@@ -129,27 +118,21 @@ def test_a_matrix_is_a_scenario_for_each_cell(course: Path) -> None:
 
 def test_the_file_of_a_matrix_is_none_itself(course: Path) -> None:
     (course / "near.toml").write_text(CELLS)
-    with pytest.raises(InputError, match="near"):
-        load_scenario("near")
-    with pytest.raises(InputError, match=r"several scenarios \(near_onnx, near_later\)"):
-        load_scenario(course / "near.toml")
+    assert "near" in refusal(load_scenario, "near")
+    said = refusal(load_scenario, course / "near.toml")
+    assert "several scenarios (near_onnx, near_later)" in said
 
 
 def test_an_empty_matrix_is_named(course: Path) -> None:
     (course / "near.toml").write_text(CELLS.partition("[matrix")[0] + "[matrix]\n")
-    with pytest.raises(InputError) as caught:
-        scenario_names()
-    assert str(caught.value) == (
-        f"{course / 'near.toml'}: matrix: expected at least one cell, such as [matrix.onnx]"
-    )
+    said = "matrix: expected at least one cell, such as [matrix.onnx]"
+    assert refusal(scenario_names) == f"{course / 'near.toml'}: {said}"
 
 
 def test_two_cells_of_one_name_are_refused(course: Path) -> None:
     (course / "near.toml").write_text(CELLS)
     (course / "near_onnx.toml").write_text(CELLS.partition("[matrix")[0])
-    with pytest.raises(InputError, match="two scenarios are called 'near_onnx'"):
-        scenario_names()
+    assert "two scenarios are called 'near_onnx'" in refusal(scenario_names)
     (course / "near_onnx.toml").unlink()
     (course / "near.toml").write_text(CELLS + "[matrix.onnx]\nseed = 3\n")
-    with pytest.raises(InputError, match=r"near\.toml: .*"):
-        scenario_names()
+    assert "near.toml: " in refusal(scenario_names)

@@ -12,7 +12,7 @@ from sim.scenario import LidarSpec, Scenario, Transforms
 from sim.scenario_files import scenario_from_toml
 from sim.simulation import Simulation
 
-TURNED = """
+FILE = """
 title = "turned"
 duration = 0.3
 [robot]
@@ -27,6 +27,7 @@ enabled = true
 points = [[-2, -1], [3, -1], [3, 1.5], [-2, 1.5]]
 closed = true
 """
+TURNED = scenario_from_toml(FILE, "test")
 
 
 def run(scenario: Scenario) -> list[Message]:
@@ -45,23 +46,22 @@ def test_a_pose_in_a_frame() -> None:
 
 def test_a_mounted_lidar_measures_from_where_it_is() -> None:
     """It sees what a lidar in the middle of a robot sees that stands there."""
-    turned = scenario_from_toml(TURNED, "test")
     there = in_frame((0.0, 0.0, math.radians(30)), (0.1, 0.05, math.radians(90)))
     stands = msgspec.structs.replace(
-        turned,
+        TURNED,
         lidar=LidarSpec(),
         robot=msgspec.structs.replace(
-            turned.robot, start=(there[0], there[1], math.degrees(there[2]))
+            TURNED.robot, start=(there[0], there[1], math.degrees(there[2]))
         ),
     )
-    (mounted, *_), (middle, *_) = scans(run(turned)), scans(run(stands))
+    (mounted, *_), (middle, *_) = scans(run(TURNED)), scans(run(stands))
     assert mounted.header.frame_id == "rplidar_link"  # type: ignore[attr-defined]
     assert middle.header.frame_id == "laser"  # type: ignore[attr-defined]
     np.testing.assert_array_equal(mounted.ranges, middle.ranges)  # type: ignore[attr-defined]
 
 
 def test_the_static_transform_comes_once_and_first() -> None:
-    messages = run(scenario_from_toml(TURNED, "test"))
+    messages = run(TURNED)
     assert messages[0].topic == "/tf_static"
     assert [m.topic for m in messages].count("/tf_static") == 1
     (sent,) = decode(messages[0].data, TF_MESSAGE).transforms
@@ -75,9 +75,8 @@ def test_the_static_transform_comes_once_and_first() -> None:
 
 
 def test_a_transform_comes_with_each_odometry() -> None:
-    turned = scenario_from_toml(TURNED, "test")
     drifting = msgspec.structs.replace(
-        turned, odometry=msgspec.structs.replace(turned.odometry, linear_scale=1.5)
+        TURNED, odometry=msgspec.structs.replace(TURNED.odometry, linear_scale=1.5)
     )
     messages = run(drifting)
     poses = [decode(m.data, ODOMETRY) for m in messages if m.topic == "/odom"]
@@ -91,9 +90,8 @@ def test_a_transform_comes_with_each_odometry() -> None:
 
 
 def test_without_them_nothing_else_changes() -> None:
-    turned = scenario_from_toml(TURNED, "test")
-    silent = msgspec.structs.replace(turned, transforms=Transforms())
-    rest = [m for m in run(turned) if not m.topic.startswith("/tf")]
+    silent = msgspec.structs.replace(TURNED, transforms=Transforms())
+    rest = [m for m in run(TURNED) if not m.topic.startswith("/tf")]
     assert run(silent) == rest
 
 
