@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import payloads
 import pytest
 
 from grader.nbgrader.cells import Wanted
@@ -12,10 +13,7 @@ from grader.nbgrader.table import output_of
 
 
 def check(name: str, outcome: str = "pass", points: int = 5, **more: Any) -> dict[str, Any]:
-    return {
-        "id": name, "title": f"Title of {name}.", "kind": "core", "max_points": points,
-        "points": points if outcome == "pass" else 0, "outcome": outcome, "message": "", **more,
-    }  # fmt: skip
+    return payloads.check(name, f"Title of {name}.", outcome, max_points=points) | more
 
 
 def verdict(*checks: dict[str, Any]) -> Verdict:

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from handing_in import AGENT as FILE
 from handing_in import put
+from payloads import check
 
 from grader.classroom.batch import autograde
 from grader.classroom.options import Options
@@ -72,12 +73,8 @@ class FakeWorkers:
 
 
 def grading(*failed: str, outcome: str = "fail", score: int = 100) -> dict[str, Any]:
-    checks = [
-        {"id": name, "kind": "core", "outcome": outcome, "points": 0, "max_points": 5,
-         "title": name, "message": "because", "expected": "", "actual": "", "time": None,
-         "help": "", "scenario": None}
-        for name in failed
-    ]  # fmt: skip
+    because = {"points": 0, "max_points": 5, "message": "because"}
+    checks = [check(name, name, outcome, **because) for name in failed]
     return {
         "exercise": SLUG, "file": FILE, "tier": 1, "score": score, "max_score": 100,
         "provisional": False, "field_ready": None, "isolation": "all", "notes": [],

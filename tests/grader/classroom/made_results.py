@@ -3,6 +3,7 @@
 from typing import Any
 
 import classes
+import payloads
 
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.scores import book_of, mark_of
@@ -14,12 +15,7 @@ OBSTACLES = "obstacle_avoidance"
 
 
 def check(id_: str, outcome: str, points: float = 10, **parts: Any) -> dict[str, Any]:
-    won = points if outcome == "pass" else 0
-    return {
-        "id": id_, "title": f"The robot does {id_}.", "kind": "core", "outcome": outcome,
-        "points": won, "max_points": points, "message": "", "expected": "", "actual": "",
-        "time": None, "help": "", "scenario": None, **parts,
-    }  # fmt: skip
+    return payloads.check(id_, f"The robot does {id_}.", outcome, max_points=points) | parts
 
 
 def result(student: str, *checks: dict[str, Any], **parts: Any) -> StoredResult:

@@ -1,6 +1,7 @@
 import io
 from typing import Any
 
+import payloads
 import pytest
 from rich.console import Console
 
@@ -10,12 +11,8 @@ from grader.report.terminal import ROWS, readable, render_terminal
 
 
 def check(outcome: str = "pass", **parts: Any) -> dict[str, Any]:
-    return {
-        **dict.fromkeys(("message", "expected", "actual", "help"), ""),
-        "id": "slow_zone", "title": "Between 0.5 m and 1.0 m the robot drives at 0.15 m/s.",
-        "kind": "core", "points": 10 if outcome == "pass" else 0, "max_points": 10,
-        "outcome": outcome, "time": None, "scenario": None, **parts,
-    }  # fmt: skip
+    title = "Between 0.5 m and 1.0 m the robot drives at 0.15 m/s."
+    return payloads.check("slow_zone", title, outcome) | parts
 
 
 def failure(**parts: Any) -> dict[str, Any]:
