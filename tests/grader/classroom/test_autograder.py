@@ -81,7 +81,9 @@ def chosen(place: Path, *slugs: str, secret: bool = False) -> None:
         (place / "source" / SECRET).write_text(KEY, "utf-8")
 
 
-def written(place: Path) -> dict[str, Any]:
+def results_of(place: Path) -> dict[str, Any]:
+    """Run the autograder; return what it writes."""
+    assert main([str(place)]) == 0
     found: dict[str, Any] = json.loads((place / "results" / "results.json").read_text("utf-8"))
     jsonschema.validate(found, RESULTS)
     return found
@@ -93,9 +95,7 @@ def test_nothing_to_grade_is_told_with_what_is_there(place: Path) -> None:
     os.mkfifo(place / "submission" / "pipe")
     (place / "submission" / FILE).symlink_to("/etc/passwd")
 
-    assert main([str(place)]) == 0
-
-    found = written(place)
+    found = results_of(place)
     assert found["score"] == 0
     (test,) = found["tests"]
     assert (test["score"], test["max_score"], test["status"]) == (0, 100, "failed")
@@ -106,9 +106,7 @@ def test_the_only_work_counts_whatever_it_is_called(place: Path) -> None:
     text = (ROOT / "solutions" / SLUG / FILE).read_text("utf-8")
     (place / "submission" / "mine.py").write_text(text.replace("rclpy.init(", "rclpy.inti("))
 
-    assert main([str(place)]) == 0
-
-    found = written(place)
+    found = results_of(place)
     assert found["output"].startswith("Obstacle avoidance: 0 of 100 points\n")
     assert "mine.py was graded, the only file that may be work" in found["output"]
 
@@ -117,9 +115,7 @@ def test_of_two_copies_the_page_names_the_one_that_counts(place: Path) -> None:
     for name in (FILE, FILE.replace(".py", " (1).py")):
         (place / "submission" / name).write_text("def main(:\n")
 
-    assert main([str(place)]) == 0
-
-    found = written(place)
+    found = results_of(place)
     assert "(1).py was graded; 1 more of that name did not count" in found["output"]
     assert "a syntax error: `python3 FILE` says where" in found["tests"][0]["output"]
 
@@ -135,9 +131,7 @@ def test_a_renamed_file_is_graded_and_no_seed_is_told(place: Path) -> None:
     )
     (place / "results" / "results.json").write_text("of an earlier run")
 
-    assert main([str(place)]) == 0
-
-    found = written(place)
+    found = results_of(place)
     assert found["score"] == 100
     assert found["output"].startswith("Obstacle avoidance: 100 of 100 points\nGoal seeking: 0 of")
     graded = [test for test in found["tests"] if test.get("extra_data")]
@@ -158,9 +152,7 @@ def test_a_node_writes_no_results_and_reads_no_secret(place: Path) -> None:
     text = LIES.replace("ROOT", repr(str(place)))
     (place / "submission" / FILE).write_text(text, "utf-8")
 
-    assert main([str(place)]) == 0
-
-    found = written(place)
+    found = results_of(place)
     assert found["score"] == 0
     assert KEY not in json.dumps(found)
     assert sorted(path.name for path in (place / "source").iterdir()) == [SETTINGS, SECRET]

@@ -5,13 +5,14 @@ import os
 import subprocess
 import sys
 import tarfile
+from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor
 from pathlib import Path
 
 import pytest
 
 from grader.classroom.queue import engine, work
-from grader.classroom.queue.engine import LocalWorkers
+from grader.classroom.queue.engine import LocalWorkers, open_workers
 
 ROOT = Path(__file__).resolve().parents[3]
 PARENT = """\
@@ -26,39 +27,33 @@ if __name__ == "__main__":
 """
 
 
-def test_a_dead_worker_is_replaced() -> None:
-    workers = LocalWorkers(1)
-    try:
-        first = workers.submit(os.getpid).result()
-        with pytest.raises(BrokenExecutor):
-            workers.submit(os._exit, 3).result()
-        second = workers.submit(os.getpid).result()
-        assert second not in (first, os.getpid())
-        assert workers.submit(os.getpid).result() == second  # the dead one is out of the way
-    finally:
-        workers.close(now=True)
+@pytest.fixture
+def workers() -> Iterator[LocalWorkers]:
+    with open_workers(1) as opened:
+        yield opened
 
 
-def test_an_old_worker_is_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_dead_worker_is_replaced(workers: LocalWorkers) -> None:
+    first = workers.submit(os.getpid).result()
+    with pytest.raises(BrokenExecutor):
+        workers.submit(os._exit, 3).result()
+    second = workers.submit(os.getpid).result()
+    assert second not in (first, os.getpid())
+    assert workers.submit(os.getpid).result() == second  # the dead one is out of the way
+
+
+def test_an_old_worker_is_replaced(workers: LocalWorkers, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(engine, "MAX_UNITS", 1)
-    workers = LocalWorkers(1)
-    try:
-        assert workers.submit(os.getpid).result() != workers.submit(os.getpid).result()
-    finally:
-        workers.close(now=False)
+    assert workers.submit(os.getpid).result() != workers.submit(os.getpid).result()
 
 
 def test_workers_import_nothing_from_the_current_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    workers: LocalWorkers, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in ("runpy", "random", "socket", "pickle", "tempfile"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('a student')")
     monkeypatch.chdir(tmp_path)
-    workers = LocalWorkers(1)
-    try:
-        assert workers.submit(os.getpid).result() != os.getpid()
-    finally:
-        workers.close(now=True)
+    assert workers.submit(os.getpid).result() != os.getpid()
 
 
 def test_workers_end_with_a_killed_parent(tmp_path: Path) -> None:
