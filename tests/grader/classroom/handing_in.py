@@ -47,6 +47,11 @@ def taken(*sources: Path, roster: Path | None = None) -> Intake:
     return take_in(list(sources), sources[0].parent / "scratch", people)
 
 
+def roster_of(folder: Path, text: str) -> Roster:
+    """Return the people of a sheet of this text."""
+    return read_roster([put(folder, **{"roster.csv": text}) / "roster.csv"])
+
+
 def matched(roster: Roster, system: str, name: str, id_: str = "", *email: str) -> Match:
     """Return whom a platform's download means by a name, an id and an address."""
     platform = platform_of(system)

@@ -1,6 +1,7 @@
 """A graded class whose marks are changed."""
 
 import csv
+import functools
 import io
 import json
 from collections.abc import Callable
@@ -37,15 +38,16 @@ def graded(grade_class: Any, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def mark(graded: Path) -> Callable[..., dict[str, str]]:
+    """The function below, of this class."""
+    return functools.partial(marked, graded)
+
+
+def marked(out: Path, *changes: Any) -> dict[str, str]:
     """Make changes, and return everybody's points by scores.csv."""
-
-    def mark(*changes: Any) -> dict[str, str]:
-        with marking(graded) as class_:
-            for change in changes:
-                class_.add(change, "prof", WHY)
-        return points(graded)
-
-    return mark
+    with marking(out) as class_:
+        for change in changes:
+            class_.add(change, "prof", WHY)
+    return points(out)
 
 
 def give(out: Path, who: str, points: float) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from fake_class import FILE, SLUG, Drifting, but, fair, grading
-from handing_in import put
+from handing_in import put, roster_of
 
 from grader.classroom.intake import candidates
 from grader.classroom.queue.engine import DaskWorkers
@@ -16,7 +16,6 @@ from grader.classroom.queue.work import Unit, UnitResult
 from grader.classroom.row import ABSENT, GRADED, HELD, TWICE
 from grader.course.students import student_key
 from grader.errors import InputError
-from grader.lms.sheets import read_roster
 
 
 def test_everybody_is_graded_once(grade_class: Any, handed_in: Path, tmp_path: Path) -> None:
@@ -81,8 +80,8 @@ def test_what_was_not_handed_in_is_neither_queued_nor_held(
 
 
 def test_a_class_with_a_roster(grade_class: Any, handed_in: Path, tmp_path: Path) -> None:
-    (tmp_path / "class.csv").write_text("id,name,section\n1,ann,A\n2,Bob,B\n3,Zoë Ünal,B\n")
-    results, _, _ = grade_class(roster=read_roster([tmp_path / "class.csv"]))
+    people = "id,name,section\n1,ann,A\n2,Bob,B\n3,Zoë Ünal,B\n"
+    results, _, _ = grade_class(roster=roster_of(tmp_path, people))
     assert {s: r.state for s, r in results.items()} == {
         "ann": GRADED, "Bob": GRADED, "eve": GRADED, "Zoë Ünal": ABSENT,
     }  # fmt: skip

@@ -1,7 +1,6 @@
 """`course desk`, over its HTTP: what is done there is what the commands do, and nobody else can."""
 
 import html as html_
-import shutil
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -11,7 +10,7 @@ import pytest
 from desk_client import Forms, Visitor, open_desk, words
 from fake_class import FILE, SLUG
 from marked_class import payload, points
-from test_whole_class import folder_of, in_folders, judge, moodles, people
+from test_whole_class import folder_of, judge, moodles, namesakes
 
 from grader.classroom.amendments.change import Comment, Style, Undo
 from grader.classroom.amendments.log import described
@@ -21,7 +20,6 @@ from grader.classroom.desk.marking import marking, reading
 from grader.classroom.folder import UNWRITTEN
 from grader.classroom.queue.store import Store
 from grader.errors import InputError
-from grader.lms.sheets import read_roster
 
 Desk = Callable[[Path], tuple[Visitor, Visitor]]
 ANN = f"/student/ann/{SLUG}"
@@ -219,14 +217,10 @@ def test_who_is_not_at_the_desk_changes_nothing(
 def test_what_is_held_is_assigned_and_accepted(
     grade_class: Any, handed_in: Path, tmp_path: Path
 ) -> None:
-    shutil.rmtree(handed_in)
-    twins = people(3)
-    in_folders(moodles)(handed_in, twins, 0)
+    (twins, roster), out = namesakes(handed_in), tmp_path / "out"
     mine = handed_in / moodles(twins[2], 0)
     (mine / FILE).rename(mine / "robot.py")
     (mine / "other.py").write_text("# 9\nprint('<script>')\n")
-    (tmp_path / "roster.csv").write_text("id,name\n0,Ann Lee\n1,Ann Lee\n2,Jörg Müller\n")
-    roster, out = read_roster([tmp_path / "roster.csv"]), tmp_path / "out"
     grade_class(judge, roster=roster)
     with open_desk(out, "Ada") as addresses:
         ada = Visitor(addresses["Ada"])

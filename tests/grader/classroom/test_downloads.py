@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from handing_in import AGENT, matched, put, taken
+from handing_in import AGENT, matched, put, roster_of, taken
 
 from grader.classroom.account import Account, Line
 from grader.classroom.intake.candidates import OTHER_CLASS, Class, find_class
@@ -14,7 +14,6 @@ from grader.classroom.intake.exercise_files import find_files
 from grader.classroom.intake.students import take_in
 from grader.classroom.options import Options
 from grader.cli.batch import listing
-from grader.lms.sheets import read_roster
 
 GOAL = "goal_seeking_agent.py"
 MOODLE = tuple(f"{who}_assignsubmission_file_/{AGENT}" for who in ("Ann Lee_11", "Bo Ray_12"))
@@ -34,8 +33,7 @@ PLATFORMS = {
 def looked(sources: list[Path], tmp_path: Path, roster: str = "") -> Class:
     options = Options()
     if roster:
-        (tmp_path / "roster.csv").write_text(roster)
-        options = replace(options, roster=read_roster([tmp_path / "roster.csv"]))
+        options = replace(options, roster=roster_of(tmp_path, roster))
     return find_class(sources, tmp_path / "scratch", options)
 
 
@@ -91,8 +89,7 @@ def test_names_of_zips_from_macos_and_linux(tmp_path: Path) -> None:
 
 def test_moodle_leaves_out_apostrophes_and_adds_groups(tmp_path: Path) -> None:
     people = "name,id\nSeán O'Brien,1\nAnne-Marie Ray,2\nBo Ray,3\nAnn Lee,4\n"
-    (tmp_path / "roster.csv").write_text(people, "utf-8")
-    roster = read_roster([tmp_path / "roster.csv"])
+    roster = roster_of(tmp_path, people)
     names = ("Seán OBrien", "Anne-Marie Ray", "Team-1-Bo Ray", "Team 2-Anne-Marie Ray")
     found = [matched(roster, "moodle", name, "99").people for name in names]
     wanted = ["Seán O'Brien", "Anne-Marie Ray", "Bo Ray", "Anne-Marie Ray"]

@@ -6,13 +6,12 @@ from typing import Any
 
 import pytest
 from fake_class import FILE, SLUG, fair
-from handing_in import put
+from handing_in import put, roster_of
 from marked_class import give, points, scores
 
 from grader.classroom.results.sources import write_sources
 from grader.errors import InputError
 from grader.lms.people import Roster
-from grader.lms.sheets import read_roster
 
 SECRET = b"0123456789abcdef"
 GRADEBOOK = """Student,ID,SIS Login ID,Section,Homework (71)
@@ -25,8 +24,7 @@ GRADEBOOK = """Student,ID,SIS Login ID,Section,Homework (71)
 
 @pytest.fixture
 def roster(tmp_path: Path) -> Roster:
-    (tmp_path / "gradebook.csv").write_text(GRADEBOOK)
-    return read_roster([tmp_path / "gradebook.csv"])
+    return roster_of(tmp_path, GRADEBOOK)
 
 
 def test_a_later_run_knows_the_gradebooks_column(
@@ -103,8 +101,8 @@ def test_a_mark_follows_who_hands_in_later(
     page = (out / "class.html").read_text()
     assert "made when nothing was handed in, and still counts; look at it again: Nob Zed" in page
     shutil.rmtree(handed_in / "nob")
-    (tmp_path / "two.csv").write_text(GRADEBOOK.replace('"Zed, Nob",3,nob', '"Ono, Yo",4,yo'))
-    grade_class(roster=read_roster([tmp_path / "two.csv"]), drop=True)
+    other = GRADEBOOK.replace('"Zed, Nob",3,nob', '"Ono, Yo",4,yo')
+    grade_class(roster=roster_of(tmp_path / "two", other), drop=True)
     assert "is about somebody who is not in the class: Nob Zed" in (out / "class.html").read_text()
 
 

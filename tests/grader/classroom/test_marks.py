@@ -10,8 +10,9 @@ from typing import Any
 
 import pytest
 from fake_class import FILE, SLUG, fair
+from handing_in import roster_of
 from made_results import result
-from marked_class import ANN, CHECKS, WHY, judged, payload, points, scores
+from marked_class import ANN, CHECKS, WHY, judged, marked, payload, points, scores
 
 from grader.classroom.amendments.apply import amended
 from grader.classroom.amendments.change import Late, Publish, Score, SetCheck, Undo, Waive, Whom
@@ -27,7 +28,6 @@ from grader.classroom.row import GRADED, HELD
 from grader.errors import DiskFull, GraderError, InputError
 from grader.lms.book import Handed, StudentRow
 from grader.lms.people import Person
-from grader.lms.sheets import read_roster
 from grader.lms.told import span
 
 # --- what changes come to --------------------------------------------------------------------
@@ -275,13 +275,9 @@ def test_moodles_worksheet_knows_times_and_extensions(
         (handed_in / name).rename(handed_in / f"{name}_{70 + n}_assignsubmission_file")
         head += f'Teilnehmer/in{70 + n},{name},"{more if name == "bob" else "-"}",,"100,00",Ja,'
         head += f"{time if name != 'eve' else '-'},-\n"
-    (tmp_path / "sheet.csv").write_text(head, "utf-8")
-    grade_class(judged, roster=read_roster([tmp_path / "sheet.csv"]))
-    out = tmp_path / "out"
-    with marking(out) as class_:
-        rule = Late(SLUG, 10, "2026-05-04T23:59+02:00", zone="Europe/Berlin")
-        class_.add(rule, "prof", WHY)
-    assert points(out) == {"ann": "40", "bob": "70", "eve": ""}
+    grade_class(judged, roster=roster_of(tmp_path, head))
+    rule = Late(SLUG, 10, "2026-05-04T23:59+02:00", zone="Europe/Berlin")
+    assert marked(tmp_path / "out", rule) == {"ann": "40", "bob": "70", "eve": ""}
 
 
 def test_canvas_says_only_late(grade_class: Any, handed_in: Path, tmp_path: Path) -> None:
@@ -292,9 +288,7 @@ def test_canvas_says_only_late(grade_class: Any, handed_in: Path, tmp_path: Path
     (handed_in / f"raybo_13_35_{FILE}").write_text("# b\n")
     grade_class(judged)
     out = tmp_path / "out"
-    with marking(out) as class_:
-        class_.add(Late(SLUG, 10), "prof", WHY)
-    assert points(out) == {"leecarla_12": "60", "raybo_13": "70"}
+    assert marked(out, Late(SLUG, 10)) == {"leecarla_12": "60", "raybo_13": "70"}
     assert "counted as one day" in (out / "class.html").read_text()
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 from fake_class import FILE, SLUG, grading
+from handing_in import roster_of
 from importers import MOODLE
 from marked_class import give, points, scores
 
@@ -23,7 +24,6 @@ from grader.classroom.queue.work import Unit, UnitResult
 from grader.course.exercises import find_exercise
 from grader.errors import InputError
 from grader.lms.people import Roster, squeezed
-from grader.lms.sheets import read_roster
 
 SKELETON = (find_exercise(SLUG).folder / FILE).read_text("utf-8")
 ODD = (
@@ -171,8 +171,7 @@ def test_everybody_is_themselves(
 ) -> None:
     put, sheet = PLATFORMS[platform]
     everybody, out = people(size), tmp_path / "out"
-    (tmp_path / "roster.csv").write_text(sheet(everybody), "utf-8")
-    roster = read_roster([tmp_path / "roster.csv"])
+    roster = roster_of(tmp_path, sheet(everybody))
 
     def hand_in(students: Sequence[Student], version: int) -> None:
         shutil.rmtree(handed_in)
@@ -223,15 +222,18 @@ def folder_of(out: Path, roster: Roster, number: int) -> str:
 # --- whose is it? --------------------------------------------------------------------------------
 
 
-def test_who_can_not_be_told_is_held_until_a_person_says_it(
-    grade_class: Any, handed_in: Path, tmp_path: Path
-) -> None:
-    """Two called Ann Lee, and a roster that knows no numbers of Moodle's."""
+def namesakes(handed_in: Path) -> tuple[list[Student], Roster]:
+    """Hand in what two called Ann Lee have; the roster knows no numbers of Moodle's."""
     shutil.rmtree(handed_in)
     twins = people(3)
     in_folders(moodles)(handed_in, twins, 0)
-    (tmp_path / "roster.csv").write_text("id,name\n0,Ann Lee\n1,Ann Lee\n2,Jörg Müller\n")
-    roster, out = read_roster([tmp_path / "roster.csv"]), tmp_path / "out"
+    return twins, roster_of(handed_in.parent, "id,name\n0,Ann Lee\n1,Ann Lee\n2,Jörg Müller\n")
+
+
+def test_who_can_not_be_told_is_held_until_a_person_says_it(
+    grade_class: Any, handed_in: Path, tmp_path: Path
+) -> None:
+    (twins, roster), out = namesakes(handed_in), tmp_path / "out"
     grade_class(judge, roster=roster)
     held = {row["student"]: row["problem"] for row in scores(out).values()
             if row["state"] == "held"}  # fmt: skip
@@ -322,8 +324,7 @@ def test_a_group_is_graded_once_for_each_of_its_members(
             f"  - :name: {s.name!r}\n    :email: {s.login}@x\n" for s in theirs)
             for n, theirs in ((1, members[:2]), (2, [one]))]  # fmt: skip
         (handed_in / "submission_metadata.yml").write_text("".join(told), "utf-8")
-    (tmp_path / "roster.csv").write_text(sheet([*members[:2], one]), "utf-8")
-    roster, out = read_roster([tmp_path / "roster.csv"]), tmp_path / "out"
+    roster, out = roster_of(tmp_path, sheet([*members[:2], one])), tmp_path / "out"
     _, workers, _ = grade_class(judge, roster=roster, secret=b"0123456789abcdef")
     assert len(workers.students) == 2
     mine = [folder_of(out, roster, number) for number in range(3)]
