@@ -28,13 +28,17 @@ agent.decide(None)
 """
 
 
-def told(folder: Path, source: str) -> str:
+def raised(folder: Path, source: str) -> BaseException:
     file = folder / "agent.py"
     file.write_text(source)
     linecache.checkcache(str(file))
     with pytest.raises(Exception) as caught:
         exec(compile(source, str(file), "exec"), {"__name__": "__main__"})
-    return account(caught.value, folder)
+    return caught.value
+
+
+def told(folder: Path, source: str) -> str:
+    return account(raised(folder, source), folder)
 
 
 def test_the_innermost_line_comes_first_with_its_values(tmp_path: Path) -> None:
@@ -88,14 +92,9 @@ main()
 def test_what_a_finally_raises_does_not_hide_the_first_exception(
     tmp_path: Path, handler: str, kind: type
 ) -> None:
-    file, source = tmp_path / "agent.py", CLEANS_UP.format(handler=handler)
-    file.write_text(source)
-    linecache.checkcache(str(file))
+    last = raised(tmp_path, CLEANS_UP.format(handler=handler))
 
-    with pytest.raises(NameError) as caught:
-        exec(compile(source, str(file), "exec"), {"__name__": "__main__"})
-
-    assert type(first_of(caught.value)) is kind
+    assert (type(last), type(first_of(last))) == (NameError, kind)
     one, other = ValueError(), ValueError()  # a ring of exceptions ends, too
     one.__context__, other.__context__ = other, one
     assert first_of(one) is one

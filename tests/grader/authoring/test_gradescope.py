@@ -8,11 +8,9 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from click.testing import CliRunner
 
 from grader.authoring.gradescope import setup, write_autograder
 from grader.classroom.autograder import SECRET, SETTINGS, Settings
-from grader.cli import cli
 from grader.errors import InputError
 
 SLUGS = ("goal_seeking", "live_parameters")
@@ -74,18 +72,3 @@ def test_a_folder_with_something_in_it_is_refused(tmp_path: Path) -> None:
 
     with pytest.raises(InputError, match="expected a new or empty folder"):
         write_autograder(tmp_path, exercises=SLUGS)
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--gradescope", "--plain"], "--gradescope writes nothing for students"),
-        (["--hide", "worlds"], "--secret, --field and --hide go with --gradescope"),
-        (["--gradescope", "--hide", "world"], "did you mean worlds?"),
-        (["--gradescope", "--secret", "nowhere"], "nowhere"),
-    ],
-)
-def test_wrong_usage_is_told(options: list[str], said: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=re.escape(said)):
-        CliRunner().invoke(cli, ["release", str(tmp_path / "x"), *options], catch_exceptions=False)
-    assert not (tmp_path / "x").exists()

@@ -50,6 +50,18 @@ def test_what_is_no_checkout_is_no_place_for_it(
         release.main([str(tmp_path / "week")], standalone_mode=False)
 
 
-def test_pages_of_markdown_keep_their_answers(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="--no-answers is for the site"):
-        release.main([str(tmp_path / "week"), "--plain", "--no-answers"], standalone_mode=False)
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("--plain --no-answers", "--no-answers is for the site, which --plain leaves out"),
+        ("--plain --ways", "--ways is for the site, which --plain leaves out"),
+        ("--gradescope --plain", "--gradescope writes nothing for students"),
+        ("--hide worlds", "--secret, --field and --hide go with --gradescope"),
+        ("--gradescope --hide world", r"did you mean worlds\?"),
+        ("--gradescope --secret nowhere", "nowhere"),
+    ],
+)
+def test_wrong_usage_is_told(options: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=said):
+        release.main([str(tmp_path / "week"), *options.split()], standalone_mode=False)
+    assert not (tmp_path / "week").exists()

@@ -9,9 +9,7 @@ import pytest
 
 from grader.authoring.ways import ways_of
 from grader.claims.claims import claim_of, grade_claim
-from grader.cli.release import release
 from grader.course.exercises import find_exercise
-from grader.errors import InputError
 from grader.launchers import launcher_pool
 
 
@@ -34,8 +32,3 @@ def test_two_ways_have_all_points_and_are_told_apart(tmp_path: Path) -> None:
     assert any(said.startswith("goal_behind: ") for said in other["said"])
     assert other["said"][-1].startswith("Of 5 field checks it fails 2: Hears an odometry driver")
     assert "field:" not in text  # what the proof reads
-
-
-def test_a_release_has_them_only_if_asked(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="--ways is for the site, which --plain leaves out"):
-        release.main([str(tmp_path / "week"), "--plain", "--ways"], standalone_mode=False)
