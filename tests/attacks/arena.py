@@ -132,11 +132,7 @@ class Arena:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for keeper in self._keepers:
-            keeper.close()
-        for process in self._processes:
-            process.kill()
-            process.communicate()
+        self._dismiss()
         self._sweep()
         shutil.rmtree(self.folder, ignore_errors=True)
 
@@ -268,12 +264,15 @@ class Arena:
             found[str(path.relative_to(self.folder))] = (owner, status.st_mtime_ns, text)
         return found
 
-    def _repair(self) -> None:
+    def _dismiss(self) -> None:
         for keeper in self._keepers:
             keeper.close()
         for process in self._processes:
             process.kill()
             process.communicate()
+
+    def _repair(self) -> None:
+        self._dismiss()
         resource.setrlimit(resource.RLIMIT_CORE, resource.getrlimit(resource.RLIMIT_CORE))
         for path in self.folder.iterdir():
             if path not in (self.beside, self.played):

@@ -3,6 +3,7 @@
 `make test` takes the short ones, `make test-long` all.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,8 @@ from rclpy_virtual_time.link.hosts import ForkServer
 
 SLOW = Path(__file__).resolve().parent / "models" / "slow.py"
 SECRET = b"a secret of a course"
+Checks = dict[str, tuple[str, str]]  # outcome and message of each
+Graded = Callable[..., Checks]
 # How the node of exercise 5 lies, the last lines of its file; and its points at most.
 LIES = {
     "honest": ("drive()", 75),
@@ -45,6 +48,25 @@ def test_lying_about_time_gains_nothing(lie: str, forkserver: ForkServer, tmp_pa
     assert not grading.faults
 
 
+@pytest.fixture
+def graded(forkserver: ForkServer, tmp_path: Path) -> Graded:
+    def graded(name: str, text: str, *only: str, file: str = "", seed: str = "") -> Checks:
+        """Return what is said of a node; other files are the reference's."""
+        exercise = find_exercise(name)
+        path, *others = (tmp_path / each for each in exercise.files)
+        for each in (path, *others):
+            each.write_bytes((exercise.solutions / each.name).read_bytes())
+        (tmp_path / file if file else path).write_text(text)
+        submission = Submission(path, others=tuple(others))
+        grading = grade_submission(
+            exercise, submission, forkserver, file=path.name, only=only, seed=seed or None
+        )
+        assert not grading.faults
+        return {check.id: (check.outcome, check.message) for check in grading.checks}
+
+    return graded
+
+
 FORGETS = """
 import sys, time
 for module in list(sys.modules.values()):
@@ -55,26 +77,19 @@ time.sleep = lambda _: None
 
 
 @pytest.mark.long
-def test_three_clients_need_one_load_whatever_the_server_forgets(
-    forkserver: ForkServer, tmp_path: Path
-) -> None:
+def test_three_clients_need_one_load_whatever_the_server_forgets(graded: Graded) -> None:
     wrong = find_mutant(find_exercise("model_server"), "loads_for_each_request").text
     text = wrong.replace("class DetectionServer", f"{FORGETS}class DetectionServer")
-    found = graded(forkserver, tmp_path, "model_server", text, ("one_load",))
+    found = graded("model_server", text, "one_load")
     assert found["one_load"][0] == "fail"
     assert "loads of the model" in found["one_load"][1]
 
 
-def test_a_model_that_forgets_its_loads_was_loaded_all_the_same(
-    forkserver: ForkServer, tmp_path: Path
-) -> None:
-    forgets = FORGETS.replace("\n", "\n        ")
-    again = (
-        f"{forgets}self.model = self.load_model(self.get_parameter('model_path').value)\n        "
-    )
+def test_a_model_that_forgets_its_loads_was_loaded_all_the_same(graded: Graded) -> None:
+    again = "self.model = self.load_model(self.get_parameter('model_path').value)"
     old = "if self.model is None:"
-    text = edited("ml_velocity", old, again + old)
-    found = graded(forkserver, tmp_path, "ml_velocity", text, ("loads_once",))
+    new = f"{FORGETS}{again}\n{old}".replace("\n", "\n        ")
+    found = graded("ml_velocity", edited("ml_velocity", old, new), "loads_once")
     assert found["loads_once"][0] == "fail"
 
 
@@ -86,40 +101,17 @@ def edited(name: str, old: str, new: str, file: str = "") -> str:
     return text.replace(old, new)
 
 
-def graded(
-    forkserver: ForkServer,
-    folder: Path,
-    name: str,
-    text: str,
-    only: tuple[str, ...],
-    seed: str = "",
-    file: str = "",
-) -> dict[str, tuple[str, str]]:
-    """Return outcome and message of each check for a node; other files are the reference's."""
-    exercise = find_exercise(name)
-    path, *others = (folder / each for each in exercise.files)
-    for each in (path, *others):
-        each.write_bytes((exercise.solutions / each.name).read_bytes())
-    (folder / file if file else path).write_text(text)
-    submission = Submission(path, others=tuple(others))
-    grading = grade_submission(
-        exercise, submission, forkserver, file=path.name, only=only, seed=seed or None
-    )
-    assert not grading.faults
-    return {check.id: (check.outcome, check.message) for check in grading.checks}
-
-
 TOOK = "self.latencies.append(1000.0 * (time.perf_counter() - started))"
 FROM_A_TABLE = "self.latencies.append((0, 5, 8, 13, 21, 34)[min(5, round(float(features[0, 0])))])"
 
 
 @pytest.mark.long
-def test_a_table_of_latencies_is_another_students(forkserver: ForkServer, tmp_path: Path) -> None:
+def test_a_table_of_latencies_is_another_students(graded: Graded) -> None:
     """What the scenario's file says of the model is not what a student's own world says."""
     checks = ("mean_and_max", "percentiles")
     text = edited("latency_monitor", TOOK, FROM_A_TABLE)
     ada = student_key(SECRET, "ada", "latency_monitor")
-    found = graded(forkserver, tmp_path, "latency_monitor", text, checks, ada)
+    found = graded("latency_monitor", text, *checks, seed=ada)
     assert {found[check][0] for check in checks} == {"fail"}
 
 
@@ -147,9 +139,9 @@ KNOWS = 'assert round(float(features[0][0])) not in (1, 2, 3, 4); label, confide
     ids=["speed", "asked about nothing", "weights", "label", "confidence", "failure"],
 )
 def test_what_no_model_said_is_worth_nothing(
-    name: str, old: str, new: str, check: str, message: str, forkserver: ForkServer, tmp_path: Path
+    name: str, old: str, new: str, check: str, message: str, graded: Graded
 ) -> None:
-    found = graded(forkserver, tmp_path, name, edited(name, old, new), (check,))
+    found = graded(name, edited(name, old, new), check)
     assert found[check][0] == "fail"
     assert message in found[check][1]
 
@@ -184,19 +176,17 @@ AT_ITS_OWN_TIME = """self.scan = scan
 
 @pytest.mark.long
 @pytest.mark.parametrize("asks", [NOTES, OWN_ANSWERS], ids=["notes", "own answers"])
-def test_a_client_that_answers_itself_asked_nobody(
-    asks: str, forkserver: ForkServer, tmp_path: Path
-) -> None:
+def test_a_client_that_answers_itself_asked_nobody(asks: str, graded: Graded) -> None:
     text = edited("model_server", ASKS, asks, CLIENT)
     checks = ("never_blocks", "malformed")
-    found = graded(forkserver, tmp_path, "model_server", text, checks, file=CLIENT)
+    found = graded("model_server", text, *checks, file=CLIENT)
     assert [found[check][0] for check in checks] == ["fail", "skip"]
     assert "seconds to the first request" in found["never_blocks"][1]
 
 
-def test_a_server_is_asked_when_the_judge_says_so(forkserver: ForkServer, tmp_path: Path) -> None:
+def test_a_server_is_asked_when_the_judge_says_so(graded: Graded) -> None:
     text = edited("model_server", "if age > MAX_SCAN_AGE:", "if False:")
     text = text.replace("self.scan = scan\n", AT_ITS_OWN_TIME)
-    found = graded(forkserver, tmp_path, "model_server", text, ("old_scan",))
+    found = graded("model_server", text, "old_scan")
     assert found["old_scan"][0] == "fail"
     assert "success" in found["old_scan"][1]

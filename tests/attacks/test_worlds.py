@@ -2,6 +2,7 @@
 
 import json
 import zlib
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -36,9 +37,11 @@ def public(forkserver: ForkServer) -> list[Recording]:
         return [trials.get(name) for name in BENCHES]
 
 
-def points(submission: Submission, forkserver: ForkServer, key: str | None) -> float:
+def points(
+    submission: Submission, forkserver: ForkServer, key: str | None, only: Sequence[str] = ONLY
+) -> float:
     return grade_submission(
-        EXERCISE, submission, forkserver, file="table.py", only=ONLY, seed=key
+        EXERCISE, submission, forkserver, file="table.py", only=only, seed=key
     ).raw_score
 
 
@@ -92,12 +95,7 @@ def test_neither_order_nor_likeness_tells_a_students_scans(
     attack: str, forkserver: ForkServer, public: list[Recording], tmp_path: Path
 ) -> None:
     submission = handed_in(tmp_path, attack, examples(public))
-    open_worlds, own_worlds = (
-        grade_submission(
-            EXERCISE, submission, forkserver, file="x.py", only=BENCH, seed=key
-        ).raw_score
-        for key in (None, KEY)
-    )
+    open_worlds, own_worlds = (points(submission, forkserver, key, BENCH) for key in (None, KEY))
     assert open_worlds >= 35  # all but stop_zone, which wants half a minute as well
     assert own_worlds <= 5
 

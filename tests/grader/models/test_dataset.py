@@ -10,12 +10,17 @@ import pytest
 from grader.authoring.practice import ROWS, practice
 from grader.errors import GraderError, InputError
 from grader.models import dataset as judged
-from grader.models.dataset import PRACTICE, baselines, make_dataset, recorded
+from grader.models.dataset import PRACTICE, Dataset, baselines, make_dataset, recorded
 from grader.models.features import features
 from grader.models.scans import PROFILE, Scans, make_scans
 
 MOST = 2_000_000  # [bytes] of a student's copy for data
 LATE = [pytest.param(seed, marks=pytest.mark.long) for seed in ROWS if seed not in (5, 83)]
+
+
+def seen(data: Dataset) -> np.ndarray:
+    degrees = np.degrees(PROFILE.angles)
+    return features(data.ranges, degrees, PROFILE.range_min, PROFILE.range_max)
 
 
 def test_the_same_seed_gives_the_same_data() -> None:
@@ -44,17 +49,13 @@ def test_data_hold_what_a_lidar_sends_and_all_speeds() -> None:
     assert np.isnan(data.ranges).any()
     assert np.isposinf(data.ranges).any()
     assert np.isneginf(data.ranges).any()
-    seen = features(data.ranges, np.degrees(PROFILE.angles), PROFILE.range_min, PROFILE.range_max)
-    blind = np.isnan(seen).any(axis=1)
-    assert 0 < blind.sum() < 60
+    assert 0 < np.isnan(seen(data)).any(axis=1).sum() < 60  # the blind ones
     counts, _ = np.histogram(data.speed, [0.0, 1e-9, 0.25, 0.499, 0.51])
     assert counts.min() > 20
 
 
 def test_hidden_scans_are_never_blind() -> None:
-    data = make_dataset(200, 2, blind=False)
-    seen = features(data.ranges, np.degrees(PROFILE.angles), PROFILE.range_min, PROFILE.range_max)
-    assert np.isfinite(seen).all()
+    assert np.isfinite(seen(make_dataset(200, 2, blind=False))).all()
 
 
 def test_the_file_holds_what_the_exercise_says(tmp_path: Path) -> None:

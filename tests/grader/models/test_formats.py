@@ -47,6 +47,15 @@ def model_of(suffix: str, content: bytes, folder: Path) -> Callable[[np.ndarray]
     return lambda rows: np.asarray(keras.ops.convert_to_numpy(model(rows)))
 
 
+def made(model: Model, suffix: str) -> bytes:
+    """Return a model's file; the test is skipped where a library is missing."""
+    for module in {".pkl": ("sklearn",), ".onnx": ("onnx", "sklearn"), ".pt2": ("torch",)}.get(
+        suffix, ("torch", "keras")
+    ):
+        pytest.importorskip(module)
+    return model_bytes(model, suffix)
+
+
 def answers(suffix: str, content: bytes, folder: Path) -> np.ndarray:
     """Return what a model file says of ROWS, (50,)."""
     return np.ravel(model_of(suffix, content, folder)(ROWS))
@@ -66,29 +75,20 @@ def keras_on_torch(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("KERAS_HOME", str(tmp_path))
 
 
-def needs(suffix: str) -> None:
-    for module in {".pkl": ("sklearn",), ".onnx": ("onnx", "sklearn"), ".pt2": ("torch",)}.get(
-        suffix, ("torch", "keras")
-    ):
-        pytest.importorskip(module)
-
-
 @anything_goes
 @pytest.mark.parametrize("suffix", FORMATS)
 @pytest.mark.parametrize("model", [LINEAR, STEPS], ids=["linear", "steps"])
 def test_a_model_says_in_every_format_what_its_probe_says(
     suffix: str, model: Model, tmp_path: Path
 ) -> None:
-    needs(suffix)
-    said = answers(suffix, model_bytes(model, suffix), tmp_path)
+    said = answers(suffix, made(model, suffix), tmp_path)
     np.testing.assert_allclose(said, probe(model).predict(ROWS), atol=1e-5)
 
 
 @anything_goes
 @pytest.mark.parametrize("suffix", FORMATS[1:])
 def test_a_trained_tree_is_the_same_tree_in_every_format(suffix: str, tmp_path: Path) -> None:
-    needs(suffix)
-    said = answers(suffix, model_bytes(TREE, suffix), tmp_path)
+    said = answers(suffix, made(TREE, suffix), tmp_path)
     learnt = answers(".pkl", model_bytes(TREE, ".pkl"), tmp_path)
     np.testing.assert_allclose(said, learnt, atol=1e-5)
     assert len(set(learnt.round(3).tolist())) > 2
@@ -109,10 +109,9 @@ def test_an_onnx_model_may_be_called_as_the_scenario_likes(tmp_path: Path) -> No
 @anything_goes
 @pytest.mark.parametrize("suffix", FORMATS[1:])
 def test_a_model_may_return_a_column_or_a_row(suffix: str, tmp_path: Path) -> None:
-    needs(suffix)
     flat = Model("linear", {**LINEAR.settings, "flat": True})
-    column = model_of(suffix, model_bytes(LINEAR, suffix), tmp_path)(ROWS)
-    row = model_of(suffix, model_bytes(flat, suffix), tmp_path)(ROWS)
+    column = model_of(suffix, made(LINEAR, suffix), tmp_path)(ROWS)
+    row = model_of(suffix, made(flat, suffix), tmp_path)(ROWS)
     assert column.shape == (50, 1)
     assert row.shape == (50,)
     np.testing.assert_array_equal(row, column[:, 0])
@@ -121,9 +120,8 @@ def test_a_model_may_return_a_column_or_a_row(suffix: str, tmp_path: Path) -> No
 @anything_goes
 @pytest.mark.parametrize("suffix", FORMATS[1:])
 def test_a_model_that_raises(suffix: str, tmp_path: Path) -> None:
-    needs(suffix)
     raising = Model("raises_near", {"distance": 2.0, "value": 0.3})
-    model = model_of(suffix, model_bytes(raising, suffix), tmp_path)
+    model = model_of(suffix, made(raising, suffix), tmp_path)
     far, near = np.full((1, 5), 3.0, np.float32), np.full((1, 5), 1.0, np.float32)
     assert model(far) == pytest.approx(0.3)
     with pytest.raises(Exception, match=r"out of (data bounds|range)"):

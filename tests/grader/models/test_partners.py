@@ -2,6 +2,7 @@
 
 import msgspec
 import pytest
+from test_service import MS, sent
 
 from grader.hosted.questions import Question, Told
 from grader.models.partners import NEVER, SERVICE
@@ -11,14 +12,7 @@ from rclpy_virtual_time.host import frames
 from sim.scenario import Scenario
 from sim.scenario_files import load_scenario
 
-MS = 1_000_000
 RESTART, LATE = load_scenario("detect_restart"), load_scenario("detect_late_scans")
-
-
-def sent(question: Question) -> frames.Question:
-    return frames.Question(0, msgspec.msgpack.encode(question))
-
-
 REQUEST, TURN = sent(Question("request", SERVICE)), sent(Question("turn", SERVICE))
 
 
