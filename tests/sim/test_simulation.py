@@ -5,7 +5,7 @@ import math
 import msgspec
 import numpy as np
 import pytest
-from simulated import SECOND, simulate
+from simulated import SECOND, scans_in, simulate
 
 from sim import simulation as simulation_module
 from sim.messages import LASER_SCAN, ODOMETRY, decode
@@ -141,8 +141,5 @@ def test_a_mirrored_and_rotated_world_gives_the_mirrored_run():
     one, two = plain.truth(), other.truth()
     assert two.x == pytest.approx(one.y, abs=1e-9)
     assert two.y == pytest.approx(one.x, abs=1e-9)
-    last, reflected = (
-        decode([m for m in ms if m.type == LASER_SCAN][-1].data, LASER_SCAN).ranges
-        for ms in (scans, mirrored)
-    )
+    last, reflected = (scans_in(messages)[-1].ranges for messages in (scans, mirrored))
     assert reflected[1:][::-1] == pytest.approx(last[1:], abs=1.1e-3)

@@ -5,9 +5,10 @@ import math
 import msgspec
 import numpy as np
 import pytest
+from simulated import scans_in
 
 from sim.layout import in_frame
-from sim.messages import EPOCH_NS, LASER_SCAN, ODOMETRY, TF_MESSAGE, Message, decode, with_epoch
+from sim.messages import EPOCH_NS, ODOMETRY, TF_MESSAGE, Message, decode, with_epoch
 from sim.scenario import LidarSpec, Scenario, Transforms
 from sim.scenario_files import scenario_from_toml
 from sim.simulation import Simulation
@@ -34,10 +35,6 @@ def run(scenario: Scenario) -> list[Message]:
     return Simulation(scenario).advance(scenario.duration_ns)
 
 
-def scans(messages: list[Message]) -> list[object]:
-    return [decode(m.data, LASER_SCAN) for m in messages if m.topic == "/scan"]
-
-
 def test_a_pose_in_a_frame() -> None:
     x, y, yaw = in_frame((1.0, 2.0, math.pi / 2), (0.5, 0.25, 0.1))
     assert (x, y, yaw) == pytest.approx((0.75, 2.5, math.pi / 2 + 0.1))
@@ -54,10 +51,10 @@ def test_a_mounted_lidar_measures_from_where_it_is() -> None:
             TURNED.robot, start=(there[0], there[1], math.degrees(there[2]))
         ),
     )
-    (mounted, *_), (middle, *_) = scans(run(TURNED)), scans(run(stands))
-    assert mounted.header.frame_id == "rplidar_link"  # type: ignore[attr-defined]
-    assert middle.header.frame_id == "laser"  # type: ignore[attr-defined]
-    np.testing.assert_array_equal(mounted.ranges, middle.ranges)  # type: ignore[attr-defined]
+    (mounted, *_), (middle, *_) = scans_in(run(TURNED)), scans_in(run(stands))
+    assert mounted.header.frame_id == "rplidar_link"
+    assert middle.header.frame_id == "laser"
+    np.testing.assert_array_equal(mounted.ranges, middle.ranges)
 
 
 def test_the_static_transform_comes_once_and_first() -> None:
@@ -104,7 +101,7 @@ bench = [{ fill = 5.0, patches = [{ from_deg = 79, to_deg = 81, range = 1.0 }] }
 [lidar]
 mount = [0, 0, -90]
 """
-    (scan,) = scans(run(scenario_from_toml(bench, "test")))
-    (near,) = np.nonzero(scan.ranges == 1.0)  # type: ignore[attr-defined]
-    angles = np.degrees(scan.angle_min + scan.angle_increment * near)  # type: ignore[attr-defined]
+    (scan,) = scans_in(run(scenario_from_toml(bench, "test")))
+    (near,) = np.nonzero(scan.ranges == 1.0)
+    angles = np.degrees(scan.angle_min + scan.angle_increment * near)
     assert angles.round() == pytest.approx([169, 170, 171])

@@ -109,36 +109,27 @@ def test_half_an_answer_is_waited_for_until_the_limit(size: int) -> None:
     assert caught.value.stacks == '  File "agent.py", line 7 in on_scan'
 
 
-def test_a_host_that_a_busy_machine_keeps_waiting_has_not_hung(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(
+    ("ready", "used"),
+    [((True, True, True), (0.0,)), ((False,), (0.0, 0.1 * SOON, 0.2 * SOON, 0.3 * SOON))],
+    ids=["a busy machine keeps it waiting", "it gets on, though it is seen waiting"],
+)
+def test_a_host_that_answers_late_has_not_hung(
+    ready: tuple[bool, ...], used: tuple[float, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def starved(host: FakeHost) -> Iterator[bool]:
-        yield True
-        yield True
-        write_all(host.their_out, settled())
-        yield True
+    """The answer comes before the last of what is seen."""
 
-    monkeypatch.setattr(pipes, "STARVED", 1e6)
-    monkeypatch.setattr(Pipes, "cpu", lambda _: 0.0)
-    with linked(hang_up=False) as (link, host):
-        host.ready = starved(host)
-        answer, _ = link.run(START, SOON)
-
-    assert isinstance(answer, Settled)
-
-
-def test_a_host_that_gets_on_has_not_hung_though_it_is_seen_waiting(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def getting_on(host: FakeHost) -> Iterator[float]:
-        yield from (0.0, 0.1 * SOON, 0.2 * SOON)
-        write_all(host.their_out, settled())
-        yield from repeat(0.3 * SOON)
+    def seen(host: FakeHost, *before: float, last: float) -> Iterator[float]:
+        yield from before
+        if before:
+            write_all(host.their_out, settled())
+        yield from repeat(last)
 
     monkeypatch.setattr(pipes, "STARVED", 1e6)
     with linked(hang_up=False) as (link, host):
-        used = getting_on(host)
-        monkeypatch.setattr(Pipes, "cpu", lambda _: next(used))
+        host.ready = map(bool, seen(host, *ready[:-1], last=ready[-1]))
+        times = seen(host, *used[:-1], last=used[-1])
+        monkeypatch.setattr(Pipes, "cpu", lambda _: next(times))
         answer, _ = link.run(START, SOON)
 
     assert isinstance(answer, Settled)
