@@ -3,6 +3,7 @@
 import threading
 import time
 from functools import partial
+from itertools import product
 
 import rclpy
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -11,6 +12,7 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 SOON, LONG = 0.02, 0.2  # [s]
+TIMES = ("at_once", "soon", "soon_elsewhere")
 EXECUTORS = (SingleThreadedExecutor, partial(MultiThreadedExecutor, 3))
 ENDINGS = {
     "set": lambda future: future.set_result(7),
@@ -103,27 +105,23 @@ def states_without_executor():
 
 
 def waiters():
-    for make in EXECUTORS:
-        for name, end in ENDINGS.items():
-            for when in ("at_once", "soon", "soon_elsewhere"):
-                world, future = World(make), Future()
-                task = world.executor.create_task(world.wait(future))
-                other = world.executor.create_task(world.wait, future, "other")
-                getattr(world, when)(end, future)
-                ends = world.spin(lambda t=task, o=other: t.done() and o.done())
-                show(f"wait {name} {when}", ends, state(task), sorted(world.close().split("; ")))
+    for make, (name, end), when in product(EXECUTORS, ENDINGS.items(), TIMES):
+        world, future = World(make), Future()
+        task = world.executor.create_task(world.wait(future))
+        other = world.executor.create_task(world.wait, future, "other")
+        getattr(world, when)(end, future)
+        ends = world.spin(lambda t=task, o=other: t.done() and o.done())
+        show(f"wait {name} {when}", ends, state(task), sorted(world.close().split("; ")))
 
 
 def spinning_until_complete():
-    for make in EXECUTORS:
-        for name, end in ENDINGS.items():
-            for when in ("at_once", "soon"):
-                world, future = World(make), Future()
-                getattr(world, when)(end, future)
-                begin = time.monotonic()
-                world.executor.spin_until_future_complete(future, LONG)
-                early = time.monotonic() - begin < LONG
-                show(f"until complete {name} {when}", early, state(future), world.close())
+    for make, (name, end), when in product(EXECUTORS, ENDINGS.items(), TIMES[:2]):
+        world, future = World(make), Future()
+        getattr(world, when)(end, future)
+        begin = time.monotonic()
+        world.executor.spin_until_future_complete(future, LONG)
+        early = time.monotonic() - begin < LONG
+        show(f"until complete {name} {when}", early, state(future), world.close())
 
 
 def tasks():
@@ -143,7 +141,7 @@ def tasks():
             world.spin(lambda world=world: len(world.log) > 2)
             show(f"task {name}", ends, state(task), state(outer), sorted(set(world.log)))
             world.close()
-        for when in ("at_once", "soon", "soon_elsewhere"):
+        for when in TIMES:
             world, future = World(make), Future()
             task = world.executor.create_task(world.wait(future))
             outer = world.executor.create_task(world.wait(task, "outer"))
@@ -185,20 +183,19 @@ REQUESTS = {
 
 
 def requests():
-    for name, act in REQUESTS.items():
-        for when in ("at_once", "soon", "soon_elsewhere"):
-            world = World(EXECUTORS[1])
-            serve(world, 3 * SOON)
-            client = world.node.create_client(Trigger, "ask", callback_group=world.group)
-            future = client.call_async(Trigger.Request())
-            future.add_done_callback(lambda _, world=world: world.log.append("called back"))
-            task = world.executor.create_task(world.wait(future))
-            getattr(world, when)(act, world, client, future)
-            ends = world.spin(task.done)
-            world.spin()  # the answer comes to nobody
-            pending = len(client._pending_requests)
-            show(f"request {name} {when}", ends, state(future), pending)
-            show(f"request {name} {when}", sorted(world.close().split("; ")))
+    for (name, act), when in product(REQUESTS.items(), TIMES):
+        world = World(EXECUTORS[1])
+        serve(world, 3 * SOON)
+        client = world.node.create_client(Trigger, "ask", callback_group=world.group)
+        future = client.call_async(Trigger.Request())
+        future.add_done_callback(lambda _, world=world: world.log.append("called back"))
+        task = world.executor.create_task(world.wait(future))
+        getattr(world, when)(act, world, client, future)
+        ends = world.spin(task.done)
+        world.spin()  # the answer comes to nobody
+        pending = len(client._pending_requests)
+        show(f"request {name} {when}", ends, state(future), pending)
+        show(f"request {name} {when}", sorted(world.close().split("; ")))
 
 
 def calls():
@@ -225,18 +222,17 @@ def calls():
 
 def guards():
     for make in EXECUTORS:
-        for when in ("at_once", "soon", "soon_elsewhere"):
-            for times in (1, 2):
-                world = World(make)
-                guard = world.node.create_guard_condition(lambda w=world: w.log.append("called"))
+        for when, times in product(TIMES, (1, 2)):
+            world = World(make)
+            guard = world.node.create_guard_condition(lambda w=world: w.log.append("called"))
 
-                def trigger(guard=guard, times=times):
-                    for _ in range(times):
-                        guard.trigger()
+            def trigger(guard=guard, times=times):
+                for _ in range(times):
+                    guard.trigger()
 
-                getattr(world, when)(trigger)
-                world.spin()
-                show(f"guard {times} {when}", world.close())
+            getattr(world, when)(trigger)
+            world.spin()
+            show(f"guard {times} {when}", world.close())
         for name, end in ENDINGS.items():
             world, future = World(make), Future()
 

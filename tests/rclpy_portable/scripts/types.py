@@ -22,29 +22,16 @@ def ignore(*_):
     """Take whatever comes."""
 
 
-for order in ("first a publisher", "first a subscription"):
-    topic = f"/{order.split()[-1]}"
-    print(order)
-    if order.endswith("publisher"):
-        tried("  publisher", node.create_publisher, String, topic, 1)
-    else:
-        tried("  subscription", node.create_subscription, String, topic, ignore, 1)
-    tried("  publisher", other.create_publisher, Bool, topic, 1)
-    tried("  subscription", other.create_subscription, Bool, topic, ignore, 1)
-    tried("  publisher", other.create_publisher, String, topic, 1)
-    tried("  subscription", node.create_subscription, String, topic, ignore, 1)
-
-for order in ("server", "client"):
-    service = f"/by_{order}"
-    print("first a", order)
-    if order == "server":
-        tried("  server", node.create_service, Trigger, service, ignore)
-    else:
-        tried("  client", node.create_client, Trigger, service)
-    tried("  server", other.create_service, SetBool, service, ignore)
-    tried("  client", other.create_client, SetBool, service)
-    tried("  server", other.create_service, Trigger, service, ignore)
-    tried("  client", node.create_client, Trigger, service)
+TOPICS = {"publisher": (1,), "subscription": (ignore, 1)}  # an end: what is said of it besides
+SERVICES = {"service": (ignore,), "client": ()}
+for ends, right, wrong in ((TOPICS, String, Bool), (SERVICES, Trigger, SetBool)):
+    (one, _), (another, _) = ends.items()
+    for first in ends:
+        print("first a", first)
+        order = ((node, first, right), (other, one, wrong), (other, another, wrong),
+                 (other, one, right), (node, another, right))  # fmt: skip
+        for owner, end, type_ in order:
+            tried(f"  {end}", getattr(owner, f"create_{end}"), type_, f"/by_{first}", *ends[end])
 
 last = node.create_publisher(String, "/free_again", 1)
 node.destroy_publisher(last)
