@@ -6,8 +6,9 @@ every check.
 """
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from arena import EXERCISE, FULL, HONEST, HOSTILE, REFERENCE, SOME, Arena, Trick, children, orphans
@@ -56,6 +57,12 @@ def named(one: Path | Trick) -> str:
     return one.name if isinstance(one, Trick) else one.stem
 
 
+def sparing(every: Iterable[Path | Trick], quick: tuple[str, ...]) -> list[Any]:
+    """Return all as parameters; `make test` takes the quick ones."""
+    marks = {True: (), False: pytest.mark.long}
+    return [pytest.param(e, id=named(e), marks=marks[named(e) in quick]) for e in every]
+
+
 def test_make_test_tries_every_family() -> None:
     assert {trick.path.stem for trick in HOSTILE} == set(FAMILIES)
     assert set(QUICK) <= {trick.name for trick in HOSTILE}
@@ -63,13 +70,7 @@ def test_make_test_tries_every_family() -> None:
     assert set(QUICK_HONEST) <= {path.stem for path in HONEST}
 
 
-@pytest.mark.parametrize(
-    "trick",
-    [
-        pytest.param(trick, id=trick.name, marks=() if trick.name in QUICK else pytest.mark.long)
-        for trick in HOSTILE
-    ],
-)
+@pytest.mark.parametrize("trick", sparing(HOSTILE, QUICK))
 def test_a_hostile_submission_gains_nothing(
     trick: Trick, arena: Arena, forkserver: ForkServer, digest: str, honest_points: int
 ) -> None:
@@ -92,15 +93,7 @@ def test_a_hostile_submission_gains_nothing(
     assert run_trial(REFERENCE, NEXT, forkserver).digest() == digest
 
 
-@pytest.mark.parametrize(
-    "path",
-    [
-        pytest.param(
-            path, id=named(path), marks=() if path.stem in QUICK_HONEST else pytest.mark.long
-        )
-        for path in HONEST
-    ],
-)
+@pytest.mark.parametrize("path", sparing(HONEST, QUICK_HONEST))
 def test_an_odd_but_honest_submission_loses_nothing(
     path: Path, arena: Arena, forkserver: ForkServer
 ) -> None:

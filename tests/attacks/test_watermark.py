@@ -16,11 +16,12 @@ from typing import Any
 
 import pytest
 from arena import EXERCISE
+from classes import stored
 
 from grader.classroom.autograder import composed
 from grader.classroom.results.options import ResultOptions
 from grader.classroom.results.write import write_results
-from grader.classroom.row import GRADED, StoredResult
+from grader.classroom.row import StoredResult
 from grader.course.students import student_key
 from grader.course.submission import Submission
 from grader.grading.grading import grade_submission
@@ -53,9 +54,8 @@ def graded(
         EXERCISE, Submission(node), forkserver, file=node.name, only=ONLY, seed=KEY,
         bags=folder / "bags",
     )  # fmt: skip
-    return StoredResult(
-        student="ada", exercise=EXERCISE.slug, file_names=(node.name,), input_hash="",
-        state=GRADED, grading=made.as_dict(), recordings=folder / "bags", wall_s=10.0 * mark[2],
+    return stored(
+        "ada", EXERCISE.slug, made.as_dict(), recordings=folder / "bags", wall_s=10.0 * mark[2],
         attempts=mark[2], problem=mark[0], finished=f"2026-01-01T00:00:0{mark[2]}Z",
     )  # fmt: skip
 

@@ -72,8 +72,8 @@ def graded() -> NotebookNode:
     return notebook
 
 
-def answer(text: str) -> NotebookNode:
-    return v4.new_notebook(cells=[v4.new_markdown_cell(text)])
+def answer(*texts: str, **more: object) -> NotebookNode:
+    return v4.new_notebook(cells=[v4.new_markdown_cell(text, **more) for text in texts])
 
 
 @pytest.mark.parametrize("template", TEMPLATES)
@@ -230,17 +230,15 @@ def test_a_picture_that_is_missing_or_of_another_kind_is_a_line_of_text(
     render: Render, name: str
 ) -> None:
     attachments = {f"{name}.x": PASTED[name]} if name != "missing" else {}
-    cell = v4.new_markdown_cell(f"Look: ![plot](attachment:{name}.x)", attachments=attachments)
-    page = render(v4.new_notebook(cells=[cell]), "feedback")
+    look = answer(f"Look: ![plot](attachment:{name}.x)", attachments=attachments)
+    page = render(look, "feedback")
     assert f"(picture attachment:{name}.x: not shown" in page
 
 
 def test_a_pasted_picture_is_shown(render: Render) -> None:
     pasted = {"a.png": {"image/png": "iVBORw0KGgo="}}
-    cell = v4.new_markdown_cell("![plot](attachment:a.png)", attachments=pasted)
-    assert 'src="data:image/png;base64,iVBORw0KGgo="' in render(
-        v4.new_notebook(cells=[cell]), "feedback"
-    )
+    page = render(answer("![plot](attachment:a.png)", attachments=pasted), "feedback")
+    assert 'src="data:image/png;base64,iVBORw0KGgo="' in page
 
 
 def test_honest_text_looks_the_same() -> None:
@@ -289,12 +287,12 @@ def test_a_page_of_text_that_takes_long_is_made(
 def test_a_page_of_slow_cells_is_made_all_the_same(
     render: Render, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    cells = [v4.new_markdown_cell("a **b**"), v4.new_markdown_cell("c **d**")]
+    notebook = answer("a **b**", "c **d**")
     clock = SimpleNamespace(monotonic=itertools.count(100, 100).__next__)  # a busy machine's
     monkeypatch.setattr(offline, "time", clock)
-    assert "as it was typed" not in render(v4.new_notebook(cells=cells), "feedback")
+    assert "as it was typed" not in render(notebook, "feedback")
     monkeypatch.setattr(offline, "PAGE", 0.0)
-    page = render(v4.new_notebook(cells=cells), "feedback")
+    page = render(notebook, "feedback")
     assert "a <strong>b</strong>" in page
     assert "shown as it was typed: the page takes more than 0 s" in page
     assert "c **d**" in page

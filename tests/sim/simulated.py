@@ -11,6 +11,8 @@ from sim.simulation import Simulation
 from sim.world import Box, Clutter, MovingCart, Pillar, Wall, World
 
 SECOND = 10**9  # [ns]
+INLINE = 'title = "x"\n[world]\n'
+CLUTTER = INLINE + "[[world.clutter]]\narea = [[1, -1], [2, 1]]\n"
 CROWD = World(
     walls=(Wall(((-3, -3), (6, -3), (6, 3))),),
     boxes=(Box((2, 1), (0.5, 1.0), 30.0),),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from simulated import crowd, refusal
+from simulated import CLUTTER, INLINE, crowd, refusal
 
 from sim.clearance import clearance, is_inside
 from sim.layout import Layout
@@ -15,8 +15,6 @@ from sim.scenario_files import scenario_from_toml
 from sim.world import load_world
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
-INLINE = 'title = "x"\n[world]\n'
-CLUTTER = INLINE + "[[world.clutter]]\narea = [[1, -1], [2, 1]]\n"
 
 
 def area(polygon):

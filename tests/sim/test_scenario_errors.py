@@ -9,7 +9,7 @@ import json
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from simulated import refusal
+from simulated import CLUTTER, INLINE, refusal
 
 from sim import scenario_files
 from sim import world as world_module
@@ -17,8 +17,6 @@ from sim.errors import InputError
 from sim.scenario_files import load_scenario, scenario_from_json, scenario_from_toml, scenario_names
 
 HEAD = 'title = "x"\nworld = "hall"\n'
-INLINE = 'title = "x"\n[world]\n'
-CLUTTER = INLINE + "[[world.clutter]]\narea = [[1, -1], [2, 1]]\n"
 
 MISTAKES = {  # what is said: of which file
     "missing key 'title'": 'world = "hall"',

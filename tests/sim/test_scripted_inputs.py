@@ -48,15 +48,11 @@ def test_an_emergency_stop_is_sent() -> None:
 
 
 def test_parameters_and_models_survive_json() -> None:
-    text = (
-        HEAD
-        + TAIL
-        + (
-            '[node]\nparameters = { model_path = "m.pkl", max_speed = 0.4, on = true, n = 3 }\n'
-            'models = { "m.pkl" = { probe = "echo", settings = { feature = 2.0 } } }\n'
-        )
+    node = (
+        '[node]\nparameters = { model_path = "m.pkl", max_speed = 0.4, on = true, n = 3 }\n'
+        'models = { "m.pkl" = { probe = "echo", settings = { feature = 2.0 } } }\n'
     )
-    scenario = scenario_from_toml(text, "here")
+    scenario = scenario_from_toml(HEAD + TAIL + node, "here")
 
     assert scenario_from_json(scenario_to_json(scenario)) == scenario
     assert scenario.node.parameters == {"model_path": "m.pkl", "max_speed": 0.4, "on": True, "n": 3}

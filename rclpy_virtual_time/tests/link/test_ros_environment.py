@@ -41,13 +41,16 @@ def venv(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def apt(tmp_path: Path) -> dict[str, str]:
-    root = tmp_path / "opt" / "ros" / "jazzy"
-    packages = install(root / "lib" / f"python{VERSION}" / "site-packages")
-    return {
-        "AMENT_PREFIX_PATH": str(root),
-        "PYTHONPATH": str(packages),
-        "LD_LIBRARY_PATH": f"{root}/opt/rviz/lib:{root}/lib",
-    }
+    found = sourced(tmp_path, "jazzy", "7.1.5")
+    del found["ROS_DISTRO"]
+    root = found["AMENT_PREFIX_PATH"]
+    return found | {"LD_LIBRARY_PATH": f"{root}/opt/rviz/lib:{root}/lib"}
+
+
+def sourced(tmp_path: Path, distro: str, rclpy: str, python: str = VERSION) -> dict[str, str]:
+    root = tmp_path / "opt" / "ros" / distro
+    packages = install(root / "lib" / f"python{python}" / "site-packages", python, rclpy)
+    return {"AMENT_PREFIX_PATH": str(root), "PYTHONPATH": str(packages), "ROS_DISTRO": distro}
 
 
 def test_wheels_in_a_venv(venv: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -144,12 +147,6 @@ def test_the_real_one() -> None:
 
     assert any((path / "rclpy" / "__init__.py").is_file() for path in ros.python_path)
     assert all(path.is_dir() for path in ros.library_path)
-
-
-def sourced(tmp_path: Path, distro: str, rclpy: str, python: str = VERSION) -> dict[str, str]:
-    root = tmp_path / "opt" / "ros" / distro
-    packages = install(root / "lib" / f"python{python}" / "site-packages", python, rclpy)
-    return {"AMENT_PREFIX_PATH": str(root), "PYTHONPATH": str(packages), "ROS_DISTRO": distro}
 
 
 def test_kilted_is_graded_too(tmp_path: Path, venv: Path) -> None:

@@ -14,6 +14,7 @@ from rclpy_virtual_time.link.hosts import ForkServer
 
 EXERCISE = find_exercise("obstacle_avoidance")
 REFERENCE = (SOLUTIONS / EXERCISE.slug / EXERCISE.files[0]).read_text("utf-8")
+NONE_OR, STOP = "distance is None or ", "    def stop(self)"
 SPEED = "twist.linear.x = speed"
 PUBLISHER = 'create_publisher(Twist, "/cmd_vel", 10)'
 MISTAKES = {  # what stands there, what stands instead: what the cause says
@@ -25,20 +26,12 @@ MISTAKES = {  # what stands there, what stands instead: what the cause says
     "the order": (PUBLISHER, 'create_publisher("/cmd_vel", Twist, 10)', "the message type, the t"),
     "a class": ("twist = Twist()", "twist = Twist", "brackets make one"),
     "an owned name": ("self.scan_subscription =", "self.subscriptions =", "self.my_subscriptions"),
-    "nothing": ("distance is None or ", "", "Here distance is None: ask"),
-    "an or": (
-        "distance is None or ",
-        "distance is not None and distance > 9.0 or ",
-        "brackets say what",
-    ),
+    "nothing": (NONE_OR, "", "Here distance is None: ask"),
+    "an or": (NONE_OR, "distance is not None and distance > 9.0 or ", "brackets say what"),
     "a rate": (SPEED, f"{SPEED}\n        self.create_rate(10).sleep()", "needs no sleep"),
     "asyncio": (SPEED, f"{SPEED}; import asyncio; asyncio.get_running_loop()", "a thread do"),
     "a field": (SPEED, "twist.linear.X = speed", "it has x, y, z"),
-    "defined twice": (
-        "    def stop(self)",
-        "    def drive(self, speed):\n        pass\n\n    def stop(self)",
-        "defines drive in line",
-    ),
+    "defined twice": (STOP, f"    def drive(self, speed): pass\n\n{STOP}", "defines drive in line"),
     "a library": ("import rclpy\n", "import cv2\nimport rclpy\n", "There is no cv2 here"),
 }
 
