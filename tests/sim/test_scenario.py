@@ -1,5 +1,6 @@
-"""Scenario files: what they say, and that they survive JSON."""
+"""Scenario and world files: what they say, and that scenarios survive JSON."""
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -7,7 +8,7 @@ from sim.bench import BenchScan, Patch
 from sim.scenario import Faults, Scenario, ScriptEvent
 from sim.scenario_files import load_scenario, scenario_from_json, scenario_names, scenario_to_json
 from sim.simulation import Simulation
-from sim.world import World, load_world
+from sim.world import World, load_world, world_names
 
 SETTINGS = settings(derandomize=True, deadline=None, max_examples=60)
 anything = st.floats(allow_nan=True, allow_infinity=True)
@@ -62,3 +63,8 @@ def test_every_scenario_of_the_course_runs():
 def test_a_scenario_is_found_by_name_path_and_text_of_a_path(tmp_path):
     path = scenario_names()["demo_wall"]
     assert load_scenario("demo_wall") == load_scenario(path) == load_scenario(str(path))
+
+
+@pytest.mark.parametrize("name", world_names())
+def test_every_world_says_what_it_is(name):
+    assert load_world(name).description

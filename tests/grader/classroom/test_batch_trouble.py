@@ -1,6 +1,7 @@
 """Trouble with the machine: stalls, canaries that can't be judged, progress in spite of them."""
 
 import io
+import re
 import shutil
 from concurrent.futures import BrokenExecutor
 from pathlib import Path
@@ -11,6 +12,7 @@ from fake_class import FILE, Drifting, Judge, but, fair, grading, until
 from handing_in import put
 from rich.console import Console
 
+from grader.classroom import progress
 from grader.classroom.progress import Progress
 from grader.classroom.queue.store import Store
 from grader.classroom.queue.work import Unit, UnitResult
@@ -186,12 +188,26 @@ def test_progress_counts_each_unit_once_and_to_its_total(
     assert [each for each in firsts if "/" in each] == ["1/3", "2/3", "3/3", "3/3", "3/3", "3/3"]
 
 
+def test_what_is_put_off_does_not_make_the_estimate_grow(monkeypatch: pytest.MonkeyPatch) -> None:
+    seconds = iter(range(0, 6000, 60))
+    monkeypatch.setattr(progress.time, "monotonic", lambda: next(seconds))
+    monkeypatch.setattr(progress, "EVERY", 1)
+    said = io.StringIO()
+    shown = Progress(Console(file=said, width=200))
+    shown.begin(20)
+    for number in range(20):  # a minute each
+        shown.done(f"student {number}", "exercise", "will retry", over=number % 2 == 0)
+    left = [int(text) for text in re.findall(r"about (\d+) min", said.getvalue())]
+    assert (left[0], left[-1]) == (19, 10)
+    assert left == sorted(left, reverse=True)
+
+
 def test_progress_prints_whatever_a_student_wrote(capsys: pytest.CaptureFixture[str]) -> None:
     out = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
-    progress = Progress(Console(file=out, width=200))
-    progress.begin(1)
-    progress.done("Zoë\udcff", "goal_seeking", "held: \x1b[31mred\n1/1 \udcff ünsafe")
-    progress.say("note: \udcff \x1b]0;title\x07")
+    shown = Progress(Console(file=out, width=200))
+    shown.begin(1)
+    shown.done("Zoë\udcff", "goal_seeking", "held: \x1b[31mred\n1/1 \udcff ünsafe")
+    shown.say("note: \udcff \x1b]0;title\x07")
     out.flush()
     said = out.buffer.getvalue().decode("ascii").splitlines()
     assert len(said) == 2

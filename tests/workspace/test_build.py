@@ -1,4 +1,4 @@
-"""Packages of Pyodide's release: those that are needed, and only the files that it was made of."""
+"""What a page is built of: the packages of Pyodide's release that it needs, and its weight."""
 
 import hashlib
 import json
@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from grader.errors import GraderError
-from workspace.build import released
+from workspace.build import MOST, check_weight, released
 
 NEEDS = {"matplotlib": ["python_dateutil"], "python-dateutil": ["six"], "six": [], "pandas": []}
 
@@ -31,3 +31,14 @@ def test_what_is_needed_is_there_and_has_the_hash_of_the_lock_file(tmp_path: Pat
     with pytest.raises(GraderError, match=r"six\.whl: expected SHA-256 .*, got .*; delete it"):
         released(["matplotlib"], cache, modules)
     assert released(["pandas"], cache, modules)
+
+
+def test_a_workspace_that_weighs_too_much_is_refused(tmp_path: Path) -> None:
+    for name, size in (("page.js", 1000), ("pyodide/python.pack", MOST - 1000)):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        with (tmp_path / name).open("wb") as file:
+            file.truncate(size)
+    assert check_weight(tmp_path) == MOST
+    (tmp_path / "more").write_bytes(b"1")
+    with pytest.raises(GraderError, match=r"12,000,000 bytes .* got 12,000,001; leave out"):
+        check_weight(tmp_path)
