@@ -153,8 +153,6 @@ def _object(value: Any, depth: int) -> str:
             return f"{kept[0] + kept[1] / 1e9:.3f} s"
     if cls is types.BuiltinFunctionType:
         return sendable(value.__name__)
-    if issubclass(cls, np.generic) and _module(cls) == "numpy":
-        return _words(value.item(), depth)
     if issubclass(cls, enum.Enum):
         return f"{name}.{dict(fields).get('_name_')}"
     if type(names := of_class(value, "_fields")) is tuple and issubclass(cls, tuple):
@@ -239,6 +237,7 @@ _HOW: dict[int, Callable[[Any, int], str]] = {
     id(float): _float,
     **dict.fromkeys(map(id, (str, bytes, bytearray)), _text),
     **dict.fromkeys(_nanoseconds, _time),
+    **dict.fromkeys(map(id, np.sctypeDict.values()), lambda value, n: _words(value.item(), n)),
     id(np.ndarray): _numbers,
     id(array.array): lambda value, depth: _numbers(np.asarray(value), depth) if value else "[]",
     **dict.fromkeys(map(id, (list, collections.deque)), _in("[", "]")),

@@ -182,7 +182,7 @@ def _conversion(field: idl.Member) -> Callable[[Any], Any]:
 
 def _checked(value: Any, *, field: idl.Member, kind: Any) -> Any:
     if isinstance(kind, idl.NamespacedType):
-        if not isinstance(value, class_of(kind)):
+        if not all(hasattr(value, name) for name in class_of(kind).get_fields_and_field_types()):
             raise AssertionError(
                 f"The '{field.name}' field must be a sub message of type '{kind.name}'"
             )

@@ -19,7 +19,9 @@ import rclpy.node
 from rclpy.duration import Duration
 from rclpy.exceptions import InvalidHandle
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
+from rclpy.subscription import Subscription
 
 from .. import advice
 from ..endpoints import ACTIONS, HIDDEN_TOPICS, EndpointWatch, is_parameter_service, report
@@ -39,6 +41,14 @@ from .kernel import Kernel
 from .rosout import TOPIC as ROSOUT
 from .rosout import Rosout
 
+OFTEN = (
+    f"the node published more than {MAX_PUBLISHED:,} messages at a time: does a loop publish "
+    "without a pause? A timer, or time.sleep, gives it one"
+)
+LARGE = (
+    f"the node published more than {MAX_PUBLISHED_BYTES >> 20} MiB at a time: messages as large as "
+    "images have to be smaller here, or fewer"
+)
 TIMERS = 20  # of a node, at a time; as many again are reported, because they grow
 HISTORY = Duration(seconds=2)  # of real time at most
 LATCHED = DurabilityPolicy.TRANSIENT_LOCAL
@@ -62,7 +72,7 @@ class Bridge:
         self.changes = 0  # goes up when endpoints appear or disappear
         self.parameters_in_use = False  # some node asks for another's parameters
         self._bytes = 0  # of what is published
-        self.overflow = False  # the node published more than the link can carry
+        self.overflow = ""  # what the node published more of than the link can carry
 
     def install(self) -> None:
         """Watch the student's nodes create their endpoints."""
@@ -71,8 +81,9 @@ class Bridge:
         found.install(self.discovery, lambda context: self._ends_in(context).unheard)
         node_cls: Any = rclpy.node.Node
         node_cls.create_timer = self._counting_timers(node_cls.create_timer)
-        for name in ("destroy_publisher", "destroy_subscription", "destroy_node"):
-            setattr(node_cls, name, self._counting(getattr(node_cls, name)))
+        node_cls.destroy_node = self._counting(node_cls.destroy_node)
+        for end_cls in (Publisher, Subscription):  # also without the node, which spins on then
+            end_cls.destroy = self._counting(end_cls.destroy)
         cls: Any = rclpy.context.Context
         for name in ("shutdown", "try_shutdown"):
             setattr(cls, name, self._leaving_first(getattr(cls, name)))
@@ -99,7 +110,7 @@ class Bridge:
         for heard in taken:
             self._bytes += len(heard.data) + len(heard.topic) + len(heard.type)
             if len(self.published) == MAX_PUBLISHED or self._bytes > MAX_PUBLISHED_BYTES:
-                self.overflow = True
+                self.overflow = LARGE if self._bytes > MAX_PUBLISHED_BYTES else OFTEN
                 return
             self.published.append(Published(now, heard.topic, heard.type, heard.data))
 
@@ -223,11 +234,11 @@ class Bridge:
         return create_and_count
 
     def _counting(self, destroy: Any) -> Any:
-        def destroy_and_count(node: Any, *endpoint: Any) -> Any:
+        def destroy_and_count(each: Any) -> None:
             self.changes += 1
-            if not endpoint:
-                self.discovery.leave(node=node)
-            return destroy(node, *endpoint)
+            if isinstance(each, rclpy.node.Node):
+                self.discovery.leave(node=each)
+            destroy(each)
 
         return destroy_and_count
 

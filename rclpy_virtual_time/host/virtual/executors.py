@@ -409,12 +409,10 @@ def _install_takes(kernel: Kernel, clocks: RosClocks) -> None:
 
 def _next_timer(kernel: Kernel, nodes: Any) -> int | None:
     """Return when the next timer is due [ns]; one that is due already waits for something else."""
-    remaining = (
-        timer.time_until_next_call()
-        for node in nodes
-        for timer in node.timers
-        if not timer.is_canceled()
-    )
+    remaining = []
+    for timer in [each for node in nodes for each in node.timers]:
+        with contextlib.suppress(InvalidHandle):  # destroyed, which its node doesn't know
+            remaining.append(None if timer.is_canceled() else timer.time_until_next_call())
     return min((kernel.now + ns for ns in remaining if ns is not None and ns > 0), default=None)
 
 

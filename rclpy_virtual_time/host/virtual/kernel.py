@@ -47,6 +47,7 @@ class VirtualThread:
         self.interrupts: list[Callable[[], None]] = []  # to run before it goes on (see interrupt)
         self.parked = False  # no thread has woken it yet
         self.asks = False  # it waits for the world, which will answer
+        self.since = 0  # [ns] when it was parked last
         self.until: int | None = None  # [ns] at which it will have been parked long enough
         self.goes_on_waiting = False  # it was woken for its interrupts only
 
@@ -174,7 +175,7 @@ class Kernel:
         """Do as `park`, but come back after an interrupt, too."""
         thread = self.me()
         thread.woken = thread.goes_on_waiting = False
-        thread.parked, thread.until = True, deadline
+        thread.parked, thread.since, thread.until = True, self.now, deadline
         self.parked = self.now
         self._limit = 0
         if waiters is not None:

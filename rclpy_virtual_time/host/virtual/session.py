@@ -19,7 +19,6 @@ from ..desk import desk
 from ..frames import (
     MAX_LEAD,
     MAX_NAME,
-    MAX_PUBLISHED,
     Note,
     Question,
     Run,
@@ -34,10 +33,6 @@ from ..wire import Turns, Wire, ended, sendable
 from . import kernel as kernel_module
 from .charge import Meter
 
-FLOODED = (
-    f"the node published more than {MAX_PUBLISHED:,} messages, or too large ones, at a time: does "
-    "a loop publish without a pause? A timer, or time.sleep, gives it one"
-)
 FREE_MESSAGES = 1000  # of a loop that publishes and reads clocks, but never waits ...
 PUBLISHING = 2_000_000  # [ns] ... before each costs this much: about 500 in a second
 
@@ -158,7 +153,7 @@ class Session(kernel_module.World):
         if self._starting:
             self._end_start()
         if bridge.overflow:
-            self.end("flooded", FLOODED)
+            self.end("flooded", bridge.overflow)
             os._exit(0)
         self._wire.send(
             Settled(

@@ -90,7 +90,7 @@ def waits(kernel: Kernel) -> Iterator[Note]:
             frame = frame.f_back
         lasted = kernel.now - begin
         in_vain = thread.until is None and not thread.asks and thread.seen == seen
-        sleeps = thread.until is not None and thread.until - begin >= SLEEP
+        sleeps = thread.until is not None and thread.until - thread.since >= SLEEP
         if frame is not None and thread.parked and (in_vain or spins or sleeps) and lasted >= LONG:
             place, more = place_of(frame.f_code, frame.f_lineno), "spins" * spins
             kind = "waits" if in_vain or spins else "sleeps"

@@ -165,6 +165,17 @@ PROGRAMS = {
         node.destroy_node(); print('destroyed')
         rclpy.spin(Echo())
     """, "completed", ["destroyed"]),
+    "a timer can be destroyed without its node": ("""
+        rclpy.init(); node = Echo()
+        timer = node.create_timer(0.3, lambda: (timer.cancel(), timer.destroy(), print('once')))
+        node.create_timer(0.4, lambda: None); rclpy.spin(node)
+    """, "completed", ["once"]),
+    **{f"a {end} can't be destroyed without its node": (f"""
+        rclpy.init(); node = Echo(); end = node.create_{end}(String, '/own', {more}10)
+        node.create_timer(0.3, end.destroy)
+        try: rclpy.spin(node)
+        except rclpy.exceptions.InvalidHandle: print(time.monotonic())
+    """, "returned", ["1000.3"]) for end, more in (("publisher", ""), ("subscription", "print, "))},
     "wait_for_message": ("""
         from rclpy.wait_for_message import wait_for_message
         rclpy.init(); node = Node('patient')

@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -92,6 +93,12 @@ def test_what_can_not_stand_in_a_field_is_refused(module: Any, field: str, value
         setattr(module.Outer(), field, value)
     with pytest.raises(AttributeError):
         module.Outer().nothing = 1
+
+
+def test_an_object_with_the_names_of_a_fields_type_can_be_sent(module: Any) -> None:
+    alike = SimpleNamespace(short="abc", yes=True, one=b"1", big=-9)
+    again = deserialize_message(serialize_message(module.Outer(inner=alike)), module.Outer)
+    assert (again.inner.short, again.inner.big) == ("abc", -9)
 
 
 @pytest.mark.parametrize(

@@ -184,7 +184,7 @@ class Agent(Node):
         self.evil, self.long, self.word = object.__new__(Evil), Long([1]), Word('w')
         self.many, self.table = list(range(10**6)), dict.fromkeys(range(10**6))
         self.deep, self.huge, self.text = [[[[[[[[1]]]]]]]], 1 << 10**6, '\\x1b[2J' * 10**6
-        self.itself = {}
+        self.itself, self.near = {}, __import__('numpy').float32(2.5)
         self.itself['itself'] = self.itself
         self.__dict__[Word('odd')] = 1
         self.__dict__.update({f'field_{i}': i for i in range(10**5)})
@@ -267,6 +267,7 @@ def test_no_line_of_the_program_runs_and_much_is_cut_short(
     assert {in_words(m) for m in recording.of("/evil")} == {"String(data='0')"}
     kept = {value.name: value.text for value in moment.values}
     assert (kept["evil"], kept["long"], kept["word"]) == ("<Evil>", "<Long>", "<Word>")
+    assert kept["near"] == "2.5"
     assert kept["many"] == "[0, 1, 2, … 999,995 more, 999998, 999999]"
     assert kept["huge"] == "<int of 1000001 bits>"
     assert kept["text"].endswith("(4,000,000 in all)")

@@ -131,6 +131,7 @@ SAID = [
      r"tick \(node.py, line \d+\) waits there to the end, from 0.10 s on, for a moment that did"),
     (FOR_LONG.format("time.sleep(12)"), "waits there to the end"),
     (FOR_LONG.format("threading.Event().wait(0.05)"), ""),
+    (FOR_LONG.format("time.sleep(1.0); time.sleep(9.5)"), ""),
     ("node.create_timer(100.0, print)\nspin(node)",
      "nothing was published, and a timer of /own fires after 100 s for the first time"),
     ("node.create_timer(100.0, print)\npublisher = node.create_publisher(Twist, '/cmd_vel', 1)\n"
