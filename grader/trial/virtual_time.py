@@ -217,7 +217,9 @@ class _Trial:
             return self._outcome(*endings.misbehaviour(error))
         if isinstance(answer, Ended):
             return self._outcome(answer.kind, answer.text, answer.detail)
-        if not self._spun:
+        # what publishes in a loop of its own, and has nothing to be called, needs no spin
+        loops = recorder.published and all(e.kind == "publisher" for e in recorder.endpoints)
+        if not self._spun and not (loops and self.interrupt):
             return self._outcome("never_spun", endings.NEVER_SPUN, self._link.stacks())
         if self._stuck is not None:
             return Outcome("stuck", endings.STUCK, self._stuck, self._link.stacks())

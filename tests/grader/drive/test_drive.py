@@ -322,6 +322,25 @@ def test_what_is_said_of_a_program_that_ends(
     assert "WARNING" not in said, said
 
 
+@pytest.mark.parametrize("end", ["", "node.create_subscription(String, '/x', print, 1)"])
+def test_a_loop_that_only_publishes_needs_no_spin(
+    end: str, tmp_path: Path, forkserver: ForkServer, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recording = drive_file(
+        tmp_path,
+        forkserver,
+        f"""
+        rclpy.init(); node = Node('loop'); pub = node.create_publisher(Twist, '/cmd_vel', 1)
+        {end}
+        try:
+            while rclpy.ok(): pub.publish(Twist()); time.sleep(0.1)
+        except KeyboardInterrupt: print('bye')
+    """,
+    )
+    assert recording.outcome.kind == ("never_spun" if end else "completed")
+    assert ("(Ctrl-C) 1.00 s bye" in summary(recording, capsys)) == (not end)
+
+
 @pytest.mark.parametrize(("source", "asks"), [("def main(): pass", True), ("print(1)", False)])
 def test_a_program_without_a_node_and_a_word_may_lack_its_guard(
     run_node: RunNode, capsys: pytest.CaptureFixture[str], source: str, asks: bool
