@@ -24,7 +24,7 @@ MADE = ("COLCON_IGNORE", "pyvenv.cfg")  # in colcon's build, install and log; in
 OURS = {"mutants.diff", "design.md"}  # beside a solution of the course's own
 COURSE = ("grader", "sim", "rclpy_virtual_time", "rclpy_portable")  # where it lies there itself
 ITSELF = Path("grader") / "course" / "beside.py"
-SETUP = "setup.py"
+SETUP, MANIFEST = "setup.py", "package.xml"
 MANUALS = (".md", ".rst")  # read by a setup.py beside them, for `long_description`
 READ_BY_NOBODY = (".pdf", ".html", ".ipynb", ".zip", ".tar", ".tgz", ".mcap", ".db3")
 PYTHON = (".py", ".pyw")
@@ -36,6 +36,7 @@ class Beside:
 
     files: dict[str, Path]
     left: tuple[str, ...] = ()  # "data.bin (a link)"
+    over: tuple[str, ...] = ()  # names beyond the limits
 
 
 @dataclass(frozen=True)
@@ -47,18 +48,19 @@ class Lying:
     size: int  # [bytes]
 
 
-def beside(folder: Path) -> Beside:
-    """Return the accompanying files of a node in a folder."""
+def beside(folder: Path, first: str = "") -> Beside:
+    """Return the accompanying files of a node in a folder; those of a package in it come first."""
     links: list[str] = []
     there = list(_listed(folder, links))
-    return chosen(there, links)
+    return chosen(there, links, first)
 
 
-def chosen(there: Iterable[Lying], links: Iterable[str] = ()) -> Beside:
-    """Return the accompanying files among these."""
+def chosen(there: Iterable[Lying], links: Iterable[str] = (), first: str = "") -> Beside:
+    """Return the accompanying files among these, those below a folder before the others."""
     files: dict[str, Path] = {}
     left, over, size = list[str](), [], 0
     there = sorted(there, key=_rank)
+    there.sort(key=lambda each: not each.name.startswith(f"{first}/"))
     setups = {PurePosixPath(each.name).parent for each in there if each.name.endswith(SETUP)}
     for each in there:
         python = each.name.endswith(PYTHON)
@@ -76,7 +78,7 @@ def chosen(there: Iterable[Lying], links: Iterable[str] = ()) -> Beside:
         left.append(f"{listed(over)} (over the limits: {limits})")
     if links := [name for name in links if name.isprintable()]:
         left.append(f"{listed(links)} (links are not followed)")
-    return Beside(files, tuple(left[-NAMED:]))
+    return Beside(files, tuple(left[-NAMED:]), tuple(over))
 
 
 def may_come(name: str, *, manual: bool = False) -> bool:
@@ -100,7 +102,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def _rank(each: Lying) -> tuple[bool, int, str]:
-    return not each.name.endswith(PYTHON), each.name.count("/"), each.name
+    return not each.name.endswith((*PYTHON, MANIFEST)), each.name.count("/"), each.name
 
 
 def _listed(top: Path, links: list[str]) -> Iterator[Lying]:

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import os
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 from grader.course import interfaces
-from grader.course.beside import MAX_BYTES, MAX_FILES, beside, listed
+from grader.course.beside import MANIFEST, MAX_BYTES, MAX_FILES, beside, listed
 from grader.course.untouched import untouched
 from grader.errors import InputError
 from rclpy_virtual_time import fresh_folder, open_regular_file
@@ -24,10 +25,12 @@ MAX_SIZE = 1024 * 1024  # [bytes] of a student's file
 SHARE = "share/"  # what a package installs there lies elsewhere in it, too
 NOT_SAID = re.compile(r"(^|/)(exercise\.toml|test_\w+\.py)$")  # the course's own; `course start`'s
 POINTER = b"version https://git-lfs.github.com/spec/"  # how one begins
-MANIFEST = "package.xml"
 SETUPS = ("setup.py", "setup.cfg", "pyproject.toml")
 PROGRAMS = re.compile(rb"^\s*(install\(\s*PROGRAMS|ament_python_install_package)\b", re.MULTILINE)
 LAUNCH = "launch.py"  # the end of a launch file's name
+OTHER_LAUNCH = re.compile(r"launch\.(xml|ya?ml)$|(^|/)launch/[^/]+\.(xml|ya?ml)$")
+ONLY_PYTHON = "of launch files only those in Python are read here"
+IGNORED = ("COLCON_IGNORE", "AMENT_IGNORE")  # in a package that colcon leaves out
 MODULES = 6  # folders of modules in one another, up to the package
 MOST_LOOKED_AT = 200  # entries of a folder, for a package
 
@@ -169,6 +172,8 @@ def find_submission(
 
     Raises InputError: there is no such file, or one is a link.
     """
+    if path.is_file() and OTHER_LAUNCH.search(path.as_posix()):
+        raise InputError(f"{path}: {ONLY_PYTHON}")
     if (place := _packages_of(path, expected)) is not None:
         return _in_packages(*place, path, expected, others)
     if path.is_dir():
@@ -231,15 +236,18 @@ def _packages_of(path: Path, expected: str | None) -> tuple[Path, list[Path]] | 
     but not where a certain file is `expected`: what lies around may be another student's then. One
     in no package that lies beside programs starts these.
     """
-    path = path.absolute()
+    path = Path(os.path.normpath(path.absolute()))  # without "..", or nothing lies around it
     if path.is_dir():
         if is_package(path):
             return path, [path]
         if expected is not None and (path / expected).exists():
             return None
-        return (path, found) if any(map(is_package, found := _packages_in(path))) else None
-    if not path.exists():  # may be the name of an entry point
+        if any(map(is_package, found := _packages_in(path))):
+            return path, found
+    if (path.is_dir() and expected is None) or not path.exists():  # maybe an entry point's name
         return (path.parent, [path.parent]) if is_package(path.parent) else None
+    if path.is_dir():
+        return None
     near = [path.parent, *path.parents[1:MODULES]]
     if path.name.endswith(LAUNCH):
         home = next((each for each in near if (each / MANIFEST).is_file()), None)
@@ -273,6 +281,7 @@ def _packages_in(folder: Path) -> list[Path]:
         for each in inside
         if is_package(each, (*SETUPS, "CMakeLists.txt"))
         and not each.is_symlink()
+        and not any((folder / name).exists() for folder in (each, each.parent) for name in IGNORED)
         and each.parent.name not in ("build", "install", "log")
     ]
 
@@ -305,17 +314,20 @@ def _in_packages(
     root: Path, folders: Sequence[Path], path: Path, expected: str | None, others: Sequence[str]
 ) -> Submission:
     places = tuple("" if each == root else each.relative_to(root).as_posix() for each in folders)
-    root, path = root.resolve(), path.absolute()
-    start = "" if path.is_dir() else path.name
+    path = Path(os.path.normpath(path.absolute()))
+    start, root = "" if path == root else path.name, root.resolve()
     if path.is_file():
         start = (path.parent.resolve() / path.name).relative_to(root).as_posix()
-    there = beside(root)
+    home = next((place for place in places if f"{start}/".startswith(f"{place}/")), "")
+    there = beside(root, home)
+    whole = (p for p in places if not any(name.startswith(f"{p}/") for name in there.over))
+    places = (home, *(p for p in whole if p != home)) if home else places
     manifests = [f"{place}/{MANIFEST}".removeprefix("/") for place in places]
     needed = [*manifests, *([start] if path.is_file() else [])]
     if lacks := [name for name in needed if name not in there.files]:
         raise InputError(
-            f"{root / lacks[0]}: a link, too large, or one file too many; expected packages of "
-            "ordinary files"
+            f"{root / lacks[0]}: a link, too large, or beyond the {MAX_FILES} files that come "
+            "along; expected packages of ordinary files"
         )
     tops = tuple(f"{place}/".removeprefix("/") for place in places)
     kept = {n: file for n, file in there.files.items() if n == start or n.startswith(tops)}

@@ -13,11 +13,18 @@ from pathlib import Path, PurePosixPath
 
 from grader.colcon.frames import READ, Executable, Launched, PackageRead, ReadPackage
 from grader.course.beside import MAX_FILES, PYTHON, listed, may_come
-from grader.course.submission import LAUNCH, Package, Program, Submission, read_regular_file
+from grader.course.submission import (
+    LAUNCH,
+    ONLY_PYTHON,
+    OTHER_LAUNCH,
+    Package,
+    Program,
+    Submission,
+    read_regular_file,
+)
 from rclpy_virtual_time import Excess, HostDied, HostForged, HostHung, Launcher
 
-OTHER_LAUNCH = re.compile(r"launch\.(xml|ya?ml)$|(^|/)launch/[^/]+\.(xml|ya?ml)$")
-ONLY_PYTHON = "of launch files only those in Python are read here"
+TELLS = re.compile(rb"remap|param|namespace|args")  # in a launch file, more than what to start
 LIMIT = 20.0  # [s] for setup.py and a launch file
 MAX_ARGUMENTS = 1024 * 1024  # [bytes] of all programs, half of what Linux takes
 
@@ -89,7 +96,10 @@ def _with_programs(
     )
     others = [] if launch else [name for name in there if OTHER_LAUNCH.search(name)]
     unread = [f"{name}: {ONLY_PYTHON}" for name in others]
-    problem = answer.unstarted
+    # in a grading: its node may be right only with what they say
+    told = [n for n in others if package.main and TELLS.search(read_regular_file(there[n]))]
+    held = answer.held or bool(told and not answer.unstarted)
+    problem = answer.unstarted or (f"{listed(told)}: {ONLY_PYTHON}" if told else "")
     if problem and known and not package.main:
         problem += f"; its programs start alone as PACKAGE_FOLDER/NAME ({listed(list(known))})"
     if (
@@ -106,7 +116,7 @@ def _with_programs(
         submission,
         beside=files,
         left=(*submission.left, *filter(str.isprintable, (*answer.notes, *unread))),
-        package=replace(package, every=every, problem=problem, held=answer.held),
+        package=replace(package, every=every, problem=problem, held=held),
     )
     if problem:
         return unstarted

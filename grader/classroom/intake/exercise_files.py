@@ -11,9 +11,9 @@ from pathlib import Path, PurePosixPath
 
 from grader.classroom.intake.handed_in import WORK, HandedIn, Student
 from grader.classroom.intake.skeletons import is_empty, is_handed_out, is_skeleton, skeletons
-from grader.course.beside import MAX_BYTES, PYTHON, Lying
+from grader.course.beside import MANIFEST, MAX_BYTES, PYTHON, Lying
 from grader.course.beside import chosen as chosen_of
-from grader.course.submission import MANIFEST, SETUPS, read_regular_file
+from grader.course.submission import SETUPS, read_regular_file
 from grader.lms.names import copy_number, plain, uncopied
 from grader.lms.platform import Entry
 from grader.lms.unpack import is_archive, is_unread_archive

@@ -7,6 +7,7 @@ import pytest
 from laid_packages import INNER, LAUNCH, MINE, NODE, SETUP, XML, lay
 from node_runs import short
 
+from grader.course import beside
 from grader.course.submission import Program, Submission, find_submission
 from grader.errors import InputError
 from grader.recording import Recording
@@ -174,12 +175,18 @@ BRINGUP = """
         ("src/bringup/launch/a.launch.py", "."),
         ("src/bringup/launch/a.launch.py", "src/bringup/launch/a.launch.py"),
         ("src/a.launch.py", "src/a.launch.py"),
+        ("src/bringup/launch/a.launch.py", "src/mine/../bringup/launch/a.launch.py"),
     ],
 )
 def test_a_launch_file_starts_nodes_of_other_packages(
     launch: str, given: str, forkserver: ForkServer, tmp_path: Path
 ) -> None:
-    lay(tmp_path, {**WORKSPACE, launch: BRINGUP})
+    no = {
+        "src/no/package.xml": "",
+        "src/no/setup.py": "raise SystemExit",
+        "src/no/AMENT_IGNORE": "",
+    }
+    lay(tmp_path, {**WORKSPACE, launch: BRINGUP, **no})
     submission = unpacked(find_submission(tmp_path / given), forkserver)
     assert said(drive(submission, forkserver)) == ["extra", "mine.two node brought 1"]
     assert submission.left[0] == "w.launch.py of the package tb3 is not started here"
@@ -243,6 +250,20 @@ def test_a_launch_file_beside_its_programs(tmp_path: Path, forkserver: ForkServe
     assert submission.started("two.py") == (Program("two.py"),)  # alone, it is not launched
 
 
+def test_a_package_with_too_many_files_stays_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(beside, "MAX_FILES", 12)
+    many = {f"src/aaa/aaa/m{i}.py": "" for i in range(12)}
+    lay(tmp_path, {**WORKSPACE, **many, "src/aaa/package.xml": XML, "src/aaa/setup.py": ""})
+    lay(tmp_path, {"src/bringup/launch/a.launch.py": BRINGUP})
+    found = find_submission(tmp_path / "src/bringup/launch/a.launch.py")
+    assert found.package is not None
+    assert found.package.folders[0] == "bringup"
+    assert "aaa" not in found.package.folders
+    assert any("12 files" in left for left in found.left)
+
+
 @pytest.mark.parametrize("given", ["", "mine/two.py", "two"])
 def test_without_a_launch_file_the_program_that_is_meant(
     given: str, forkserver: ForkServer, tmp_path: Path
@@ -250,6 +271,13 @@ def test_without_a_launch_file_the_program_that_is_meant(
     submission = find_submission(lay(tmp_path, MINE) / given, "two.py")
     assert said(drive(submission, forkserver)) == ["mine.two node none 1"]
     assert submission.path == tmp_path / "mine" / "two.py"
+
+
+def test_an_entry_point_may_be_called_as_its_package(
+    forkserver: ForkServer, tmp_path: Path
+) -> None:
+    lay(tmp_path, {**MINE, "setup.py": SETUP.replace("two =", "mine =")})
+    assert said(drive(find_submission(tmp_path / "mine"), forkserver)) == ["mine.two node none 1"]
 
 
 @pytest.mark.parametrize("out", [(), ("mine.sub",)])
@@ -276,6 +304,11 @@ def test_launch_files_that_are_not_in_python_are_left_to_a_person(
     assert said_of_it in one.left
     assert several.package is not None and several.package.held
     assert several.package.problem == said_of_it
+    lay(tmp_path, {"launch/all.launch.xml": '<launch><remap from="a" to="b"/></launch>'})
+    one = unpacked(find_submission(tmp_path, "two.py"), forkserver)
+    assert one.package is not None and one.package.held  # it may be right only with what that says
+    with pytest.raises(InputError, match="xml: of launch files only those in Python are read"):
+        find_submission(tmp_path / "launch" / "all.launch.xml")
 
 
 @pytest.mark.parametrize(("main", "refused"), [("robot_launch.py", True), ("two.py", False)])
