@@ -77,10 +77,9 @@ def _of_class(cls: Any) -> Coder:
 
 
 def _of_fields(cls: Any) -> Coder:
-    names = [f"_{name}" for name in cls._fields_and_field_types]
-    coders = [_of_type(kind) for kind in cls.SLOT_TYPES]
-    writers = [(name, coder.write) for name, coder in zip(names, coders, strict=True)]
-    readers = [(name, coder.read) for name, coder in zip(names, coders, strict=True)]
+    coders = dict(zip(cls._fields_and_field_types, map(_of_type, cls.SLOT_TYPES), strict=True))
+    writers = [(name, coder.write) for name, coder in coders.items()]  # of whatever has the names
+    readers = [(f"_{name}", coder.read) for name, coder in coders.items()]
 
     def write(out: bytearray, message: Any) -> None:
         for name, write_field in writers:
@@ -120,14 +119,10 @@ def _class_of(kind: Any) -> Any:
 
 
 def _of_message(cls: Any) -> Coder:
-    expected = f"{cls.__module__}.{cls.__name__}"
-
-    def write(out: bytearray, value: Any) -> None:
-        if not isinstance(value, cls):
-            raise AssertionError(f"expected a {expected}, got {type(value).__name__}")
-        _of_class(cls).write(out, value)
-
-    return Coder(write, lambda data, at: _of_class(cls).read(data, at))
+    return Coder(
+        lambda out, value: _of_class(cls).write(out, value),
+        lambda data, at: _of_class(cls).read(data, at),
+    )
 
 
 # --- numbers -------------------------------------------------------------------------------------
@@ -190,9 +185,10 @@ def _as_float(value: Any) -> float:
         return value
     if type(value) in (int, bool):
         return _bits(_size_word(value))
-    if hasattr(value, "dtype") and hasattr(value, "tobytes"):  # a number of numpy's
+    if hasattr(value, "dtype") and not hasattr(value, "__setitem__"):  # a number, no array
         return _bits(int.from_bytes(value.tobytes()[:8], sys.byteorder))
-    return _bits(len(value) if hasattr(value, "__len__") else 1)
+    shape = getattr(value, "shape", (1,))  # () of an array that is a single number
+    return _bits(len(value) if shape and hasattr(value, "__len__") else 1)
 
 
 def _size_word(number: int) -> int:
@@ -223,6 +219,9 @@ def _pack_float32(value: float) -> bytes:
 # --- text ----------------------------------------------------------------------------------------
 
 
+NO_TEXT = "bad argument type for built-in operation"  # as CPython has it
+
+
 def _write_count(out: bytearray, count: int) -> None:
     out += bytes(-len(out) % 4)
     out += COUNT.pack(count)
@@ -239,7 +238,7 @@ def _read_count(data: memoryview, at: int) -> tuple[int, int]:
 
 def _write_string(out: bytearray, value: Any) -> None:
     if not isinstance(value, str):
-        raise AssertionError(f"expected a str, got {type(value).__name__}")
+        raise TypeError(NO_TEXT)
     data = value.encode("utf-8").partition(b"\0")[0]  # a text of C's ends there
     _write_count(out, len(data) + 1)
     out += data
@@ -254,7 +253,7 @@ def _read_string(data: memoryview, at: int) -> tuple[str, int]:
 
 def _write_wide(out: bytearray, value: Any) -> None:
     if not isinstance(value, str):
-        raise AssertionError(f"expected a str, got {type(value).__name__}")
+        raise TypeError(NO_TEXT)
     data = value.encode("utf-16-le")
     _write_count(out, len(data) // 2)
     for i in range(0, len(data), 2):

@@ -2,12 +2,14 @@
 
 import array
 import math
+from types import SimpleNamespace
 
 import numpy as np
+import rclpy.time
 import rosgraph_msgs.msg
-from builtin_interfaces.msg import Time
+from builtin_interfaces.msg import Duration, Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import PoseWithCovariance, Twist, Vector3
+from geometry_msgs.msg import Point, PoseWithCovariance, Quaternion, Twist, Vector3
 from rcl_interfaces.msg import ParameterEvent, ParameterValue
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import CompressedImage, JointState, LaserScan, PointCloud2, PointField
@@ -19,6 +21,7 @@ from std_msgs.msg import (
     Empty,
     Float32,
     Float64,
+    Header,
     Int8,
     Int64,
     String,
@@ -59,11 +62,20 @@ for message, field, value in (
     (Float64(), "data", np.float32(1.5)), (Float64(), "data", np.int64(5)),
     (Float64(), "data", "text"), (Float64(), "data", [1.0, 2.0]),
     (LaserScan(), "ranges", [1, 2]), (LaserScan(), "ranges", (0.5,)),
+    (Twist(), "linear", Point(x=0.3, z=2.0)), (Twist(), "linear", Quaternion(x=1.0)),
+    (Twist(), "linear", 0.3), (Twist(), "linear", SimpleNamespace(x=1.0, y=2.0)),
+    (Header(), "stamp", Duration(sec=3)), (Header(), "stamp", rclpy.time.Time(nanoseconds=5)),
+    (String(), "data", 5), (String(), "data", b"b"), (KeyValue(), "value", None),
 ):  # fmt: skip
     setattr(message, field, value)
     try:
         again = deserialize_message(serialize_message(message), type(message))
     except Exception as error:
-        print(type(message).__name__, type(value).__name__, type(error).__name__)
+        said = error if isinstance(error, AttributeError | TypeError) else ""
+        print(type(message).__name__, type(value).__name__, type(error).__name__, said)
         continue
     print(type(message).__name__, type(value).__name__, repr(getattr(again, field)))
+
+for value in (np.array([0.3]), np.array(0.3), array.array("d", [0.3])):  # part of a pointer
+    again = deserialize_message(serialize_message(Float64(data=value)), Float64)
+    print(type(value).__name__, abs(again.data) < 1e-300)
