@@ -44,7 +44,7 @@ OF_ROS_1 = {
 INTERFACES = re.compile(r"\w+_(msgs|srvs|interfaces|actions?)")
 SOURCES = {  # on GitHub, of those that courses use
     "neato2_interfaces": "comprobo23/neato_packages", "vesc_msgs": "f1tenth/vesc/tree/ros2",
-    "nav2_msgs": "ros-navigation/navigation2", "turtlesim": "ros/ros_tutorials",
+    "nav2_msgs": "ros-navigation/navigation2", "turtlesim": "ros/ros_tutorials/tree/jazzy",
     "irobot_create_msgs": "iRobotEducation/irobot_create_msgs",
 }  # fmt: skip
 

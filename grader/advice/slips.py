@@ -149,7 +149,13 @@ def _nodes(tree: ast.AST) -> dict[type, list[ast.AST]]:
 
 
 def _statements(tree: ast.AST) -> Found:
-    given = _given(tree) | {each.arg for each in _all(tree, ast.arg)}
+    properties = {
+        f.name
+        for f in _all(tree, ast.FunctionDef)
+        for each in f.decorator_list
+        if _last(each).endswith("property")
+    }  # they may be made by being named
+    given = _given(tree) | {each.arg for each in _all(tree, ast.arg)} | properties
     tried = {id(each) for node in _all(tree, ast.Try) for each in node.body}
     for node in _all(tree, ast.Expr, ast.Assign):
         value = node.value

@@ -123,8 +123,8 @@ def spell(value: float) -> str:
     """Return a command's number as a student should see it, mostly with two to four decimals."""
     if 0.0 < abs(value) < 0.005:
         return f"{value:.3g}"
-    if not abs(value) < 100.0:
-        return f"{value:.2f}" if abs(value) < 1e9 else f"{value:.3g}"
+    if not abs(value) < 100.0:  # a stamp has 1.7e9 s
+        return f"{value:.3g}" if abs(value) > 1e12 else f"{value:.{2 + (abs(value) > 1e9)}f}"
     whole, decimals = f"{value:.4f}".split(".")
     return f"{whole}.{decimals.rstrip('0').ljust(2, '0')}"
 

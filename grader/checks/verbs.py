@@ -115,7 +115,10 @@ def require_allowed(
     elif not (case.said and case.count):
         message = f"no {noun} came"
         actual = f"none; the last one, {actual}, still counts" if case.said else "none"
-        help = PUBLISH_ONCE if topic == CMD_VEL_TOPIC else KEPT_BACK
+        if topic != CMD_VEL_TOPIC:
+            help = KEPT_BACK
+        elif not case.count:  # a scan's answer, not a timer's command
+            help = PUBLISH_ONCE
     else:
         message = f"wrong {wrong}" + (f" on {topic}" if topic != CMD_VEL_TOPIC else "")
         if isinstance(said, float) and not (help and math.isnan(said)):  # NaN may be computed

@@ -11,6 +11,7 @@ from typing import Any
 from grader.checks.case import Allowed, Case, Runs, Said
 from grader.checks.commands import published
 from grader.checks.verbs import follows
+from grader.checks.verdict import fail
 from grader.exercises.latency_monitor.contract import KEYS, LEVELS, right_numbers
 from grader.recording import Recording
 
@@ -26,6 +27,13 @@ PERIOD, PERIOD_TOLERANCE = 1.0, 0.15  # [s] of the reports
 def reports(runs: Runs, *tags: str, help: str) -> None:
     """Fail unless the node reports what is right, on each occasion of these tags, in each run."""
     for recording in runs:
+        told = published(recording, TOPIC, DIAGNOSTICS)[:MOST]
+        names = dict.fromkeys(status.name for _, array in told for status in array.status)
+        if names and NAME not in names:
+            fail(
+                "no report has a status of this name", expected=NAME, actual=", ".join(names),
+                at=told[0][0], recording=recording, help="Readers of /diagnostics look for it.",
+            )  # fmt: skip
         run = Runs([recording], cases)
         follows(run, *tags, help=help, tolerance=TOLERANCE, topic=TOPIC)
 

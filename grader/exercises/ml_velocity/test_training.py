@@ -36,7 +36,7 @@ def test_training_runs(runs: Runs) -> None:
     training, help = _trained(runs), "Put both files side by side, and grade that folder."
     wanted = f"{training.script} in the controller's folder"
     _need(runs, not training.problem, wanted, training.problem, help)
-    if not _wrote_first(training.made):
+    if not _wrote_first(training, training.made):
         _need_success(runs, training.made)
     _need_file(runs, training.made, "--out", PICKLE)
 
@@ -48,7 +48,7 @@ def test_training_data(runs: Runs) -> None:
         "With finite readings only, the same script comes to its end. Which rows of train.npz "
         "hold NaN or ±inf, and which have a sector without any usable reading?"
     )
-    if not _wrote_first(_trained(runs).runs[0]):
+    if not _wrote_first(_trained(runs), _trained(runs).runs[0]):
         _need_success(runs, _trained(runs).runs[0], help)
 
 
@@ -207,9 +207,10 @@ def _need_success(runs: Runs, run: ScriptRun, help: str = "") -> None:
     )
 
 
-def _wrote_first(run: ScriptRun) -> bool:
+def _wrote_first(training: Training, run: ScriptRun) -> bool:
     """Return whether there was a model before an error: what it costs is the other format."""
-    return run.kind in ("exception", "exited") and bool(run.files.get(PICKLE))
+    wrote = not training.pickle.problem and bool(run.files.get(PICKLE))  # and no pickle of None
+    return wrote and run.kind in ("exception", "exited")
 
 
 def _need_file(runs: Runs, run: ScriptRun, option: str, name: str) -> None:

@@ -34,9 +34,10 @@ LEAST_RATE = 3.0  # [Hz] of new predictions
 USUAL_LIDAR, SLOW_LIDAR, FIVE_HZ = (LEAST_RATE, 0.58), (2.4, 0.6), 5.0
 WAITS_FOR_ONE_MORE = 0.1  # [s] a worker that waits for a new scan, when that one is lost
 AT_ONCE = 0.06  # [s] a tick and a little
+SOON = 0.3  # [s] in which a node that asks at all does so: the sign of life in other checks
 ARRIVAL = 0.02  # [s] what happens this shortly before may be seen or not
 SPEED, UNDER_WAY, NEWER = "linear.x", "calls still under way", "newer scans"
-FEATURES, WAIT = "features", "seconds to the next call"
+FEATURES, WAIT, ASKED = "features", "seconds to the next call", "seconds until predict is called"
 A_SCANS = "a scan's"
 RATE, AGE = "new predictions per second", "seconds from scan to command (p95)"
 
@@ -174,14 +175,15 @@ def _idle(recording: Recording) -> Iterator[Case]:
     asked = np.array([call.asked for call in calls(recording)]) / 1e9
     ended = np.array([call.answered for call in calls(recording)]) / 1e9
     back = silence(recording)[1]
-    right = {WAIT: ((0.0, AT_ONCE + recording.slack),)}
     for scan in recording.scans():
         before = int(np.searchsorted(asked, scan.t))
         busy = before and ended[:before].max() > scan.t - ARRIVAL - recording.slack
         if not busy and not blind(scan):
             wait = float(asked[before] if before < len(asked) else recording.duration_s) - scan.t
-            tags = frozenset({"idle", "back"} if scan.t >= back else {"idle"})
-            yield Case(scan.t, f"a scan came at {scan.t:.2f} s", tags, right, {WAIT: wait})
+            what, late = f"a scan came at {scan.t:.2f} s", ["back"] * (scan.t >= back)
+            for field, tags, most in ((WAIT, ["idle", *late], AT_ONCE), (ASKED, ["soon"], SOON)):
+                right = {field: ((0.0, most + recording.slack),)}
+                yield Case(scan.t, what, frozenset(tags), right, {field: wait})
 
 
 def _number(call: Inference, limit: float) -> float:

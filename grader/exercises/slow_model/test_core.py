@@ -36,7 +36,7 @@ def test_control_period(runs: Runs) -> None:
 def test_starts_at_zero(runs: Runs) -> None:
     """From the first tick on there are commands; they are 0.0 until there is a prediction."""
     stands(runs, "start", help="No prediction yet is like no prediction: 0.0.")
-    heeds(runs, "idle", help="Does inference still wait when no scan has come for 38 s?")
+    heeds(runs, "soon", help="Does inference still wait when no scan has come for 38 s?")
 
 
 @check(points=10, asks=TIMING, task=3, scenarios=(LEADER, FAST), hint="3.1")
@@ -68,7 +68,7 @@ def test_too_old(runs: Runs) -> None:
         "The prediction counts as it is until its scan is 0.6 s old, and then it is 0.0, at each "
         "tick: keep the stamp from the scan's header with it, also if the scan comes late."
     )
-    heeds(runs, "idle", help=NEXT_SCAN)  # a node that never asks may stand, and shows nothing
+    heeds(runs, "soon", help=NEXT_SCAN)  # a node that never asks may stand, and shows nothing
     for recording in runs:
         last, back = silence(recording)
         stands(runs.of([recording]), "silent", last + LATEST_STOP, back, help=help)
@@ -86,7 +86,7 @@ def test_recovery(runs: Runs) -> None:
 def test_features(runs: Runs) -> None:
     """The model gets the five features of exercise 2, in their order."""
     help = "Front min, mean, std within ±60°, then the minimum to the left, then to the right."
-    follows(runs, "tick", "known", "idle", help=help, tolerance=TOLERANCE)
+    follows(runs, "tick", "known", "soon", help=help, tolerance=TOLERANCE)
     loads_once(runs)
 
 
@@ -94,14 +94,14 @@ def test_features(runs: Runs) -> None:
 def test_blind_sector(runs: Runs) -> None:
     """A sector without a usable reading: 0.0, until a scan has features again."""
     help = f"Don't ask the model about such a scan; within 0.6 s it means 0.0. {NEXT_SCAN}"
-    heeds(runs, "tick", "idle", help=help)
+    heeds(runs, "tick", "soon", help=help)
 
 
 @check(points=5, asks=SAFETY, task=4, scenarios=(HELD, *CLIP))
 def test_clipped(runs: Runs) -> None:
     """Predictions are clipped to 0 … max_speed (0.0, 0.8 m/s, or not set); the rest is 0."""
     stands(runs.only(HELD), help="max(0.0, min(max_speed, prediction)); in Python 0.0 is false.")
-    heeds(runs.only(*CLIP), "tick", "idle", help="max(0.0, min(max_speed, prediction)): no ramp.")
+    heeds(runs.only(*CLIP), "tick", "soon", help="max(0.0, min(max_speed, prediction)): no ramp.")
     only_linear_x(runs)
 
 
@@ -111,7 +111,7 @@ def test_raising_model(runs: Runs) -> None:
     heeds(
         runs,
         "tick",
-        "idle",
+        "soon",
         help=f"No prediction means 0.0, after 0.6 s at the latest. {NEXT_SCAN}",
     )
     loads_once(runs)
@@ -121,7 +121,7 @@ def test_raising_model(runs: Runs) -> None:
 def test_nan_model(runs: Runs) -> None:
     """NaN or ±inf from the model: 0.0, until there is a prediction again."""
     help = f"NaN and ±inf are no prediction: 0.0 within 0.6 s. {NEXT_SCAN}"
-    heeds(runs, "tick", "idle", help=help)
+    heeds(runs, "tick", "soon", help=help)
 
 
 @check(points=10, asks=TIMING, task=3, scenarios=(LONELY, RAISES, TOO_SLOW), hint="3.2")
@@ -144,7 +144,7 @@ def test_too_slow_model(runs: Runs) -> None:
 @check(points=10, asks=SAFETY, task=4, scenarios=(LEADER, *WITHOUT_MODEL), hint="4.3")
 def test_no_model(runs: Runs) -> None:
     """Without a model that can be loaded: an error in the log, and 0.0 at each tick."""
-    heeds(runs.only(LEADER), "idle", help=NEXT_SCAN)
+    heeds(runs.only(LEADER), "soon", help=NEXT_SCAN)
     reacts(list(runs.only(LEADER).cases("tick")))
     bare = runs.only(*WITHOUT_MODEL)
     stands(bare, help="Without a model there is no prediction: an error in the log, and 0.0.")

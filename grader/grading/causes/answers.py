@@ -15,7 +15,7 @@ from typing import NamedTuple
 from grader.checks.case import Case, among
 from grader.checks.commands import spell
 from grader.course.exercises import Exercise
-from grader.exercises import oracle_of
+from grader.exercises import contract_of, oracle_of
 from grader.grading.causes.cause import ByName, Cause, Failed
 from grader.recording import Recording
 from sim.messages import CMD_VEL_TOPIC
@@ -49,12 +49,16 @@ def cause_of_answers(exercise: Exercise, failed: Sequence[Failed], trials: ByNam
         cases = oracle_of(exercise)(recording)
     except Exception:  # what the node sent can't be read: the check says so
         return None
-    text = seen_in(cases, recording.name)
+    period = bool(contract_of(exercise).period)
+    text = seen_in(cases, recording.name, period=period)
     return Cause.of(exercise, text, failed, replaces_help=True, own_hint=False) if text else None
 
 
-def seen_in(cases: Sequence[Case], run: str) -> str:
-    """Say in a sentence what all answers have in common; "" if nothing."""
+def seen_in(cases: Sequence[Case], run: str, *, period: bool = False) -> str:
+    """Say in a sentence what all answers have in common; "" if nothing.
+
+    `period`: a timer commands, so that a zero that stays may say that nothing newer has come.
+    """
     name, rows = _rows(cases)
     wrong = [row for row in rows if not _fits(row, row.case)]
     if len(rows) < MIN_CASES:
@@ -64,8 +68,9 @@ def seen_in(cases: Sequence[Case], run: str) -> str:
     if len(wrong) < TELLING:
         return ""
     looks: tuple[Callable[[Sequence[Row]], str], ...] = (_late, _cut, _kept, _median, _low_pass)
+    zero = period and abs(rows[-1].said) <= NEAR
     for look in looks:
-        if text := look(rows):
+        if not (look is _kept and zero) and (text := look(rows)):
             return f"in {run} {text.format(name=name)}"
     return ""
 
@@ -206,7 +211,7 @@ def _low_pass(rows: Sequence[Row]) -> str:
             steps.append(gone)
     if len(steps) < TELLING:
         return ""
-    first = next(row for row in rows[1:] if not _fits(row, row.case))
+    first = next(r for r in rows[1:] if not _fits(r, r.case) and not math.isnan(r.right))
     seen = f"at {first.case.at:.2f} s {{name}} is {spell(first.said)}, not {spell(first.right)}"
     if min(shares) > SHARE and max(shares) < 1 - SHARE and max(shares) - min(shares) <= SHARE:
         return (

@@ -69,6 +69,7 @@ NONE = (  # what may be meant
     "while math.pi and self.ready: pass",
     "class A:\n    @property\n    def x(self): return 1"
     "\n    @x.setter\n    def x(self, v): self._x = v",
+    "class A:\n    @functools.cached_property\n    def x(self): return 1\n    def f(self): self.x",
     "def f():\n    raise NotImplementedError\nx = f()",
     "def f():\n    yield 1\nx = f()",
     "def f(): ...\nx = f()",

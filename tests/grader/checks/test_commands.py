@@ -85,6 +85,7 @@ def test_anything_but_one_command_each_fails(
     [
         (0.5, "0.50", False),
         (0.00123, "0.00123", False),
+        (1700000000.0134, "1700000000.013", False),
         (math.inf, "inf", False),
         (-1e300, "-1e+300", True),
         (5e-324, "", True),

@@ -53,11 +53,12 @@ def test_what_is_not_allowed_is_said_with_what_was_expected(
 
 
 @pytest.mark.parametrize(
-    ("topic", "help"), [("/cmd_vel", "Publish once"), ("/closing_speed", "What keeps it back")]
+    ("topic", "count", "help"),
+    [("/cmd_vel", 0, "Publish once"), ("/cmd_vel", 1, "A wrong"), ("/speed", 0, "What keeps it")],
 )
-def test_of_what_did_not_come_no_number_is_explained(topic: str, help: str) -> None:
+def test_of_what_did_not_come_no_number_is_explained(topic: str, count: int, help: str) -> None:
     with pytest.raises(CheckFailed) as caught:
-        require_allowed(recording(), NEAR, "A wrong sign?", topic=topic)
+        require_allowed(recording(), replace(NEAR, count=count), "A wrong sign?", topic=topic)
     assert caught.value.help.startswith(help)
 
 
