@@ -8,6 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from grader.advice import deaths, hints, slips
+from grader.advice.message_words import field_that_is_wrong
 from rclpy_virtual_time import Advice
 
 
@@ -25,6 +26,10 @@ class Advisor(Advice):
     def unused_imports(self, source: bytes) -> list[str]:
         """Return the names that a source imports and never uses."""
         return slips.unused_imports(source)
+
+    def wrong_field(self, message: object) -> str:
+        """Say which field of a message holds another type than it should."""
+        return field_that_is_wrong(message)
 
     def cause(self, error: BaseException) -> BaseException:
         """Return the first exception, where a `finally:` has raised another."""

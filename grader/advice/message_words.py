@@ -7,7 +7,9 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-TYPES = "str(…) for a text, float(…) or int(…) for a number, a list where there are several"
+TYPES = (
+    "str(…) for a text, float(…), int(…) or bool(…) for a number, a list where there are several"
+)
 FIELD = f"a field of the message holds another type than it should: {TYPES}"
 
 
@@ -41,14 +43,15 @@ def wrong_field(error: BaseException) -> str:
     while trace is not None:
         message = trace.tb_frame.f_locals.get("msg", message)
         trace = trace.tb_next
-    return _field_that_is_wrong(message)
+    return field_that_is_wrong(message)
 
 
-def _field_that_is_wrong(message: Any) -> str:
+def field_that_is_wrong(message: Any) -> str:
+    """Say which field of a message holds another type than it should; "" if none does."""
     for name, kind in types_of(message).items():
         value = getattr(message, name)
         for part in value if isinstance(value, list) else [value]:
-            if said := _field_that_is_wrong(part):
+            if said := field_that_is_wrong(part):
                 return said
         try:
             type(message)(check_fields=True, **{name: value})

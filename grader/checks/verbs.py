@@ -189,9 +189,12 @@ def every(
     if not len(late) and not len(early):
         return
     first = int(late[0]) if len(late) else int(early[0]) + 1
+    spread = f" ± {1000 * tolerance:.0f} ms"
+    if tolerance > period:  # a start-up, and two periods
+        spread = f", no gap over {1000 * (period + tolerance):.0f} ms"
     fail(
         f"messages on {topic} do not come every {1000 * period:.0f} ms",
-        expected=f"one every {1000 * period:.0f} ms ± {1000 * tolerance:.0f} ms",
+        expected=f"one every {1000 * period:.0f} ms{spread}",
         actual=f"{1000 * gaps[first]:.0f} ms from one to the next",
         at=edges[first],
         recording=recording,

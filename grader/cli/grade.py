@@ -61,7 +61,8 @@ def grade(
     launch file says. A notebook is its %%node cells, and a zip what is in it. FILE may be a link;
     links in the FOLDER, or beside the FILE, are refused.
 
-    Exit code 0: full core score. 1: less. 2: wrong usage, or the grader's own fault.
+    Exit code 0: full core score. 1: less. 2: wrong usage, the grader's own fault, or a check
+    that a person has to judge.
     """
     from grader.course.exercises import find_exercise  # noqa: PLC0415
     from grader.course.submission import file_beside, find_submission  # noqa: PLC0415

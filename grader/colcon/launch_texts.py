@@ -169,13 +169,14 @@ class ParameterFile(Substitution):
     """A YAML file of parameters."""
 
     def __init__(self, param_file: Any, *, allow_substs: Any = False) -> None:
-        if allow_substs:
-            raise Unknown("ParameterFile(allow_substs=True) is not read here")
-        self._file = param_file
+        self._file, self._substs = param_file, allow_substs
 
     def perform(self, context: Context) -> str:
         """Return its path."""
-        return text_of(self._file, context)
+        path = text_of(self._file, context)
+        if self._substs and Path(path).is_file() and b"$(" in Path(path).read_bytes():
+            raise Unknown("ParameterFile(allow_substs=True): its $(…) are not read here")
+        return path
 
 
 def text_of(value: Any, context: Context) -> str:

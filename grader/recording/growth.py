@@ -6,6 +6,7 @@ is right for minutes and too slow after an hour. Its answers don't show that; th
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ PARTS, MIN_MESSAGES = 5, 40  # of a trial, and messages in each part
 TIMES, RISE = 2.0, 0.001  # [s] so much more in the last part is no noise of the machine
 STEADY = -0.1, 0.6  # of the rise, at least and at most, from each part to the next
 ENDS = 10  # of one kind on one topic; more than anybody needs
+LOSES = re.compile("takes (boolean|float),")  # where another type arrives as False or 0, in silence
 MANAGED = {"unconfigured": "configure", "inactive": "activate"}  # states: the way out
 WAITS = "{0} waits in the state {1}: nobody calls `ros2 lifecycle set {0} {2}`, as on a robot"
 GOES_ON = (
@@ -176,7 +178,8 @@ def noted_of(recording: Recording, *, models: bool = True) -> list[str]:
     """
     told = [note for note in recording.notes if models or not _asked_long(note, recording)]
     said = [said for note in told if (said := _said(note, recording))]
-    return [*said, *_not_arrived(recording)]
+    lost = [n for n in recording.notes if n.kind == "type" and LOSES.search(n.more)]
+    return [*said, *(f"on {note.about} {note.more}" for note in lost), *_not_arrived(recording)]
 
 
 def _not_arrived(recording: Recording) -> Iterator[str]:

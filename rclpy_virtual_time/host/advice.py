@@ -40,6 +40,10 @@ class Advice:
         """Return the names that a source imports and never uses."""
         return []
 
+    def wrong_field(self, message: object) -> str:
+        """Say which field of a message that is published holds another type; "" if none does."""
+        return ""
+
     def cause(self, error: BaseException) -> BaseException:
         """Return the exception to explain, where one exception has led to another."""
         return error

@@ -167,7 +167,7 @@ class EndpointReport(msgspec.Struct, array_like=True, frozen=True):
 
 NOTED = (
     "lost", "lifecycle", "lasts", "awaits", "stuck", "waits", "threads", "sim_time", "params",
-    "imports", "ended", "asked", "sleeps", "timer",
+    "imports", "ended", "asked", "sleeps", "timer", "type",
 )  # fmt: skip
 
 

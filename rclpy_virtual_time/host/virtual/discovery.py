@@ -11,6 +11,7 @@ time at which DDS stamped it, and dropped when it is taken.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import itertools
 import random
@@ -27,7 +28,7 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.qos import DurabilityPolicy, QoSCompatibility, qos_check_compatible
 from rclpy.task import Future
 
-from .. import frames
+from .. import advice, frames
 from ..endpoints import HIDDEN_TOPICS
 from .clock import real_time_ns
 from .kernel import Kernel
@@ -180,6 +181,10 @@ class Discovery:
             found.update(_name(e) for kind in kinds for e in getattr(node, KINDS[kind]))
         return names[True] - names[False]
 
+    def tell(self, kind: str, about: str, more: str = "") -> None:
+        """Note something of a topic for a person."""
+        self._kernel.world.note(frames.Note(kind, about, more=more))
+
     # --- what is sent ----------------------------------------------------------------------------
 
     def publish(self, publisher: Any, send: Callable[[], None], unheard: list[Missed]) -> None:
@@ -196,7 +201,7 @@ class Discovery:
             unheard.append(mark)
             own = any(end._course_party is party for end in self._ends("subscription", name))
             if not own and name not in HIDDEN_TOPICS:
-                self._kernel.world.note(frames.Note("lost", name))
+                self.tell("lost", name)
 
     def deliver(self, topic: str, send: Callable[[], None], *, latched: bool) -> None:
         """Send a message of the robot to the subscriptions that it has found."""
@@ -334,6 +339,11 @@ def install(discovery: Discovery, unheard: Callable[[Any], list[Missed]]) -> Non
     lost = itertools.count(1)
 
     def virtual_publish(self: Any, msg: Any) -> None:
+        if "_course_looked" not in self.__dict__:  # at its first message
+            self._course_looked = True
+            with contextlib.suppress(Exception):  # of the message's own
+                if said := advice.given.wrong_field(msg):
+                    discovery.tell("type", _name(self), said)
         party = None if discovery.calm else self.__dict__.get("_course_party")
         if party is None or not party.context.ok():
             publish(self, msg)

@@ -132,6 +132,10 @@ SAID = [
     (FOR_LONG.format("time.sleep(12)"), "waits there to the end"),
     (FOR_LONG.format("threading.Event().wait(0.05)"), ""),
     (FOR_LONG.format("time.sleep(1.0); time.sleep(9.5)"), ""),
+    ("import numpy as np; from std_msgs.msg import Bool\n"
+     "pub = node.create_publisher(Bool, '/near', 1)\n"
+     "node.create_timer(0.1, lambda: pub.publish(Bool(data=np.True_)))\nspin(node)",
+     r"on /near `data` of Bool takes boolean, and was given np.True_: .* or bool\(…\) for"),
     ("node.create_timer(100.0, print)\nspin(node)",
      "nothing was published, and a timer of /own fires after 100 s for the first time"),
     ("node.create_timer(100.0, print)\npublisher = node.create_publisher(Twist, '/cmd_vel', 1)\n"
