@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from rclpy_virtual_time.link import interpreter
 from rclpy_virtual_time.link.hosts import ROOT, ForkServer
 from rclpy_virtual_time.link.interpreter import left_out, library_folders, with_needs
 from rclpy_virtual_time.link.settings import EPOCH
@@ -61,6 +62,15 @@ def test_ros_comes_before_the_interpreters_own(needed: Path) -> None:
     found = with_needs({"LD_LIBRARY_PATH": "/ros/lib"}, path_of(needed) | {"PYTHONHOME": "/py"})
 
     assert found == {"LD_LIBRARY_PATH": f"/ros/lib:{needed}", "PYTHONHOME": "/py"}
+
+
+def test_what_a_host_gets_anyway_needs_no_look(
+    needed: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """ROS's wheels name a dozen folders; to look, modules such as ssl would be imported."""
+    monkeypatch.setattr(interpreter, "_loaded", None)
+    there = {"LD_LIBRARY_PATH": str(needed)}
+    assert with_needs(there, path_of(needed)) == there
 
 
 def test_a_host_has_them(needed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
