@@ -5,6 +5,8 @@ from typing import Any
 
 import pytest
 
+from grader.checks.verdict import CheckFailed
+from grader.exercises.latency_monitor import reports
 from grader.exercises.latency_monitor.contract import KEYS
 from grader.exercises.latency_monitor.reports import NAME, form
 
@@ -31,3 +33,12 @@ def test_a_status_in_another_form_has_a_flaw(
 ) -> None:
     case = form(1.0, statuses)
     assert (case.wrong(), case.said.get(wrong)) == (wrong, came)
+
+
+def test_reports_of_another_name_are_told_as_that(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = [(1.0, SimpleNamespace(status=[status("inference")]))]
+    monkeypatch.setattr(reports, "published", lambda *_: told)
+    runs: Any = [SimpleNamespace(name="run")]
+    with pytest.raises(CheckFailed) as caught:
+        reports.reports(runs, "count", help="")
+    assert (caught.value.expected, caught.value.actual) == (NAME, "inference")

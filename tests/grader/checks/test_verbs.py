@@ -4,10 +4,11 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from grader.checks.case import Case, Runs, exactly
-from grader.checks.verbs import follows, require_allowed
+from grader.checks.verbs import every, follows, require_allowed
 from grader.checks.verdict import CheckFailed
 from grader.recording import Outcome
 
@@ -60,6 +61,12 @@ def test_of_what_did_not_come_no_number_is_explained(topic: str, count: int, hel
     with pytest.raises(CheckFailed) as caught:
         require_allowed(recording(), replace(NEAR, count=count), "A wrong sign?", topic=topic)
     assert caught.value.help.startswith(help)
+
+
+def test_a_tolerance_beyond_the_period_is_told_as_the_longest_gap() -> None:
+    with pytest.raises(CheckFailed) as caught:
+        every(recording(times=lambda _: np.array([2.0])), "/cmd_vel", 0.05, 0.075)
+    assert caught.value.expected == "one every 50 ms, no gap over 125 ms"
 
 
 def test_an_answer_within_the_tolerance_is_right() -> None:

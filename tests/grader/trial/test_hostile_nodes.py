@@ -32,6 +32,7 @@ def test_floods_end_the_trial(run_node: RunNode, flood: str) -> None:
     """, short(0.2), limits=PATIENT)  # fmt: skip
 
     assert recording.outcome.kind == kind
+    assert ("messages as large as images" in recording.outcome.text) == flood.endswith("MB")
 
 
 @pytest.mark.parametrize("most, published", [(50, 10**6), (10**6, 10_000)])  # messages, bytes

@@ -96,7 +96,7 @@ GROUPED = """
     from launch.launch_description_sources import PythonLaunchDescriptionSource
     from launch.substitutions import LaunchConfiguration, ThisLaunchFileDir
     from launch_ros.actions import Node, PushRosNamespace, SetParameter
-    from launch_ros.parameter_descriptions import ParameterValue
+    from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
 
     def generate_launch_description():
         sim, here = LaunchConfiguration("sim"), [ThisLaunchFileDir(), "/inner.launch.py"]
@@ -111,7 +111,7 @@ GROUPED = """
                                          launch_arguments={"word": "5"}.items())]),
             Node(package="mine", executable="one", name="first", namespace="", arguments=["-x"],
                  on_exit=Shutdown(),
-                 parameters=["config/p.yaml",
+                 parameters=[ParameterFile("config/p.yaml", allow_substs=True),
                              {"word": ParameterValue(LaunchConfiguration("word", default="3"),
                                                      value_type=str)}])])
     """
