@@ -10,7 +10,7 @@ import pytest
 
 from grader.checks.case import Runs
 from grader.checks.verdict import CheckFailed, Inconclusive
-from grader.recording.training import ModelAnswers, Training
+from grader.recording.training import ModelAnswers, ScriptRun, Training
 
 
 @pytest.mark.parametrize(
@@ -46,3 +46,11 @@ def test_a_model_that_says_nan_is_not_accurate(pytestconfig: pytest.Config) -> N
     judge = importlib.import_module("grader.exercises.ml_velocity.test_training")
     with pytest.raises(CheckFailed):
         judge.test_model_accuracy(Runs([recording], lambda _: []))
+
+
+@pytest.mark.parametrize("problem", ["", "NoneType has no predict"])
+def test_a_pickle_before_an_error_counts_if_it_predicts(problem: str) -> None:
+    checks = importlib.import_module("grader.exercises.ml_velocity.test_training")
+    failed = ScriptRun("exception", "ValueError", "", 1.0, {checks.PICKLE: 900})
+    training = Training("train.py", runs=(failed,), pickle=ModelAnswers(problem, loaded=True))
+    assert checks._wrote_first(training, failed) == (not problem)
